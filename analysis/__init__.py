@@ -1,0 +1,1 @@
+"""Questions asked of models and diagrams: comparison, workspace, calibration and the instrument."""

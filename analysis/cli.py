@@ -1,0 +1,46 @@
+"""The command line ``gapscope``: wiring only, each command is a module of ``commands``."""
+
+import sys
+from importlib.metadata import version
+from typing import Annotated
+
+import typer
+
+from .commands import compare, diagnose, simulate
+
+app = typer.Typer(
+    name="gapscope",
+    help="Where is the sim-to-real gap, what causes it, and how far does it shrink?",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+app.add_typer(simulate.app, name="simulate")
+app.add_typer(compare.app, name="compare")
+app.command("diagnose")(diagnose.diagnose)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"gapscope {version('gapscope')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Print version."),
+    ] = False,
+) -> None:
+    """Options of the program as a whole."""
+
+
+def main() -> None:
+    """Run the command line; unusable input ends in one message and exit code 2."""
+    from .errors import InputError
+
+    try:
+        app()
+    except InputError as error:
+        typer.secho(f"gapscope: {error}", fg="red", err=True)
+        sys.exit(2)

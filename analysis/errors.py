@@ -1,0 +1,12 @@
+"""The one exception that means: the input cannot be used, and this is what to do about it."""
+
+
+class InputError(ValueError):
+    """Unusable input: says where, what was found, what was expected and what to do.
+
+    The command line prints it as one message without a traceback and exits with code 2.
+    """
+
+    def __init__(self, where: object, found: str, expected: str, remedy: str = "") -> None:
+        message = f"{where}: {found}; expected {expected}"
+        super().__init__(f"{message}. {remedy}" if remedy else message)

@@ -1,0 +1,63 @@
+r"""Friction laws of one sliding or turning contact.
+
+Each function returns the force or torque that opposes the motion, positive for positive speed; the
+equation of motion subtracts it. Speeds in rad/s with torques in N m, or m/s with forces in N.
+
+1. viscous                :math:`f = b v`
+2. Coulomb, smoothed      :math:`f = F_c \tanh(v / w)`
+3. Coulomb by direction   :math:`f = F^+` for v >> w, :math:`-F^-` for v << -w
+4. Stribeck               :math:`f = (F_c + (F_s - F_c) e^{-(v/v_s)^2}) \tanh(v / w)`
+5. LuGre / Dahl           :math:`\dot z = v - \sigma_0 |v| z / g(v)`,
+                          :math:`f = \sigma_0 z + \sigma_1 \dot z`
+
+The raw sign of (2)-(4) chatters in fixed-step integration, hence the width ``w``. Not modelled
+here: dependence on temperature or wear. Sources: Friedlaender 2015, eqs. (2.6b-c); Canudas de Wit et al.
+1995 for (5).
+"""
+
+from typing import Any
+
+import numpy as np
+
+# A scalar that is a float, an AutoDiffXd or an Expression: every law here takes any of them.
+Scalar = Any
+
+
+def smooth_sign(v: Scalar, width: Scalar) -> Scalar:
+    """Odd step from -1 to 1 that replaces sgn(v); 76 % of the step at ``v = width``."""
+    return np.tanh(v / width)
+
+
+def viscous(v: Scalar, coefficient: Scalar) -> Scalar:
+    """Friction proportional to speed (eq. 2.6b of Friedlaender for one element)."""
+    return coefficient * v
+
+
+def dry(
+    v: Scalar,
+    forward: Scalar,
+    backward: Scalar,
+    breakaway: Scalar,
+    stribeck_speed: Scalar,
+    width: Scalar,
+) -> Scalar:
+    """Dry friction with its own level in each direction and an optional Stribeck peak.
+
+    ``forward`` and ``backward`` are the levels at high speed, ``breakaway`` (>= 0) is what the level
+    has on top of them at standstill, and ``stribeck_speed`` how fast that decays. With equal levels
+    and no breakaway this is the smoothed Coulomb law of eq. (2.6c).
+    """
+    step = smooth_sign(v, width)
+    ratio = v / stribeck_speed
+    mean = 0.5 * (forward + backward) + breakaway * np.exp(-ratio * ratio)
+    return mean * step + 0.5 * (forward - backward) * step * step
+
+
+def bristle_rate(v: Scalar, deflection: Scalar, stiffness: Scalar, level: Scalar) -> Scalar:
+    """Rate of the bristle deflection z of the LuGre and Dahl models; ``level`` is g(v) > 0."""
+    return v - stiffness * np.abs(v) * deflection / level
+
+
+def bristle_force(deflection: Scalar, rate: Scalar, stiffness: Scalar, damping: Scalar) -> Scalar:
+    """Force of the bristles; Dahl's model is ``damping = 0``."""
+    return stiffness * deflection + damping * rate

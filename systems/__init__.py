@@ -1,0 +1,1 @@
+"""LeafSystems: plants, actuators, encoders, observers, controllers and references."""
