@@ -28,6 +28,7 @@ from typing import Any
 
 import numba
 import platformdirs
+from numba.core import config
 from numba.extending import register_jitable
 
 
@@ -41,12 +42,12 @@ def register_laws(*modules: ModuleType) -> None:
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile a module-level function for float arguments, cached on disk, without the GIL."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(_cache_folder())
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(_cache_folder())
     try:
         return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
     finally:
-        numba.config.CACHE_DIR = before
+        config.CACHE_DIR = before
 
 
 @cache

@@ -7,12 +7,13 @@ cycle, so t = tau*t_max/2 (misprint, see ERRATA). Angles in rad, times in s, rat
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
-def polynomial_4567(tau: float) -> tuple[float, float, float]:
+def polynomial_4567(tau: Any) -> tuple[Any, Any, Any]:
     """Eq. (5.3) with its first two derivatives by ``tau`` in [0, 1]: (s, s', s'')."""
     s = tau**4 * (35.0 + tau * (-84.0 + tau * (70.0 - 20.0 * tau)))
     ds = tau**3 * (140.0 + tau * (-420.0 + tau * (420.0 - 140.0 * tau)))
