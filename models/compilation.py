@@ -28,8 +28,11 @@ from typing import Any
 
 import numba
 import platformdirs
-from numba.core import config
+from numba.core import config as numba_config
 from numba.extending import register_jitable
+
+# numba sets its options as module attributes at import, out of sight of type checkers.
+config: Any = numba_config
 
 
 def register_laws(*modules: ModuleType) -> None:
