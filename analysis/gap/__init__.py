@@ -1,0 +1,1 @@
+"""The instrument: where the sim-to-real gap lies, what causes it, how far it shrinks."""
