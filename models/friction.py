@@ -61,3 +61,11 @@ def bristle_rate(v: Scalar, deflection: Scalar, stiffness: Scalar, level: Scalar
 def bristle_force(deflection: Scalar, rate: Scalar, stiffness: Scalar, damping: Scalar) -> Scalar:
     """Force of the bristles; Dahl's model is ``damping = 0``."""
     return stiffness * deflection + damping * rate
+
+
+def bristle_step(
+    v: Scalar, deflection: Scalar, stiffness: Scalar, level: Scalar, dt: Scalar
+) -> Scalar:
+    """Deflection after ``dt`` at constant speed: exact, so stiff bristles stay stable at any step."""
+    steady = level * np.sign(v) / stiffness
+    return steady + (deflection - steady) * np.exp(-stiffness * np.abs(v) * dt / level)

@@ -1,0 +1,197 @@
+r"""An n-shaft electromechanical drive with constant inertia: the law behind C-drive and slider.
+
+.. math:: M \ddot q + E^T f(E \dot q) + h(q) = \tau
+
+1. :math:`q` (n,) shaft positions, :math:`\tau` (n,) torques that reach the shafts;
+2. :math:`E` (m, n) maps shaft speeds to the speeds of the m friction elements (a shaft's own
+   bearing, or the nut between two shafts), :math:`f` (m,) their friction, ``friction.py``;
+3. :math:`h(q) = b + r_c \cos(kq) + r_s \sin(kq)` (n,): bias load and torque ripple;
+4. from command :math:`u` to torque: delay, gain, limit, first-order lag, in this order, and
+   load-dependent friction proportional to the magnitude of the drive torque.
+
+Rotary shafts use rad and N m, linear ones m and N. Not modelled here: posture-dependent inertia and
+structural flexibility (``drive_elastic.py``).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import control, friction
+
+# Columns of ``Drive.element``, the constants of a friction element.
+(
+    VISCOUS,  # [N m s/rad or N s/m]
+    FORWARD,  # dry friction at positive speed [N m or N]
+    BACKWARD,  # dry friction at negative speed [N m or N]
+    BREAKAWAY,  # dry friction at standstill beyond the sliding level [N m or N]
+    STRIBECK_SPEED,  # [rad/s or m/s]
+    WIDTH,  # smoothing of the sign [rad/s or m/s]
+    STIFFNESS,  # presliding stiffness, 0 for the smoothed sign [N m/rad or N/m]
+    DRIFT,  # relative growth of friction with time [1/s]
+) = range(8)
+
+# Columns of ``Drive.shaft``, the constants of a shaft and its actuator.
+(
+    LOAD_FRICTION,  # dry friction per magnitude of drive torque [-]
+    BIAS,  # load that opposes positive torque [N m or N]
+    RIPPLE_COS,  # [N m or N]
+    RIPPLE_SIN,  # [N m or N]
+    RIPPLE_WAVENUMBER,  # k [1/rad or 1/m]
+    DELAY,  # of the command [s]
+    GAIN,  # torque delivered per torque commanded [-]
+    LIMIT,  # largest torque magnitude [N m or N]
+    LAG,  # time constant of the torque loop [s]
+) = range(9)
+
+
+class Drive(NamedTuple):
+    """Constants of one drive as arrays, so that kernels, batches and contexts can share them."""
+
+    inertia_inverse: Any  # (n, n) inverse of M [1/(kg m^2) or 1/kg]
+    elements: Any  # (m, n) E, speed of each friction element per shaft speed [-]
+    element: Any  # (m, 8) constants of the friction elements, columns above
+    shaft: Any  # (n, 9) constants of the shafts, columns above
+
+    def copy(self) -> "Drive":
+        """A drive whose arrays can be changed without changing this one."""
+        return Drive(*(np.array(field) for field in self))
+
+
+def ideal_drive(inertia: Any, elements: Any, viscous: Any, width: float) -> Drive:
+    """Drive with viscous friction only, from M (n, n), E (m, n), coefficients (m,) and sign width."""
+    m, n = np.shape(elements)
+    element = np.zeros((m, 8))
+    element[:, VISCOUS] = viscous
+    element[:, STRIBECK_SPEED] = 10.0 * width
+    element[:, WIDTH] = width
+    shaft = np.zeros((n, 9))
+    shaft[:, RIPPLE_WAVENUMBER] = 1.0
+    shaft[:, GAIN] = 1.0
+    shaft[:, LIMIT] = np.inf
+    return Drive(np.linalg.inv(inertia), np.array(elements, dtype=float), element, shaft)
+
+
+def acceleration(
+    q: Any, v: Any, held: Any, torque: Any, t: Any, drive: Drive, work: Any, out: Any
+) -> None:
+    """Solve the equation of motion (1) for the accelerations ``out`` (n,).
+
+    ``held`` (m,) are element forces that do not follow ``v`` (presliding), ``torque`` (n,) reaches the
+    shafts at time ``t`` [s]; ``work`` (n,) is overwritten. Arrays may hold floats, AutoDiffXd or
+    Expressions.
+    """
+    m, n = drive.elements.shape
+    for j in range(n):
+        work[j] = torque[j] - load(
+            q[j],
+            drive.shaft[j, BIAS],
+            drive.shaft[j, RIPPLE_COS],
+            drive.shaft[j, RIPPLE_SIN],
+            drive.shaft[j, RIPPLE_WAVENUMBER],
+        )
+        if drive.shaft[j, LOAD_FRICTION] != 0.0:
+            step = friction.smooth_sign(v[j], drive.element[j, WIDTH])
+            work[j] -= drive.shaft[j, LOAD_FRICTION] * np.abs(torque[j]) * step
+    for i in range(m):
+        speed = drive.elements[i, 0] * v[0]
+        for j in range(1, n):
+            speed += drive.elements[i, j] * v[j]
+        force = friction.viscous(speed, drive.element[i, VISCOUS])
+        if drive.element[i, STIFFNESS] == 0.0 and (
+            drive.element[i, FORWARD] != 0.0 or drive.element[i, BACKWARD] != 0.0
+        ):
+            force += friction.dry(
+                speed,
+                drive.element[i, FORWARD],
+                drive.element[i, BACKWARD],
+                drive.element[i, BREAKAWAY],
+                drive.element[i, STRIBECK_SPEED],
+                drive.element[i, WIDTH],
+            )
+        force = held[i] + (1.0 + drive.element[i, DRIFT] * t) * force
+        for j in range(n):
+            work[j] -= drive.elements[i, j] * force
+    for j in range(n):
+        out[j] = drive.inertia_inverse[j, 0] * work[0]
+        for k in range(1, n):
+            out[j] += drive.inertia_inverse[j, k] * work[k]
+
+
+def load(q: Any, bias: Any, ripple_cos: Any, ripple_sin: Any, wavenumber: Any) -> Any:
+    """Load h(q) of eq. (3) on one shaft."""
+    if ripple_cos == 0.0 and ripple_sin == 0.0:
+        return bias
+    return bias + ripple_cos * np.cos(wavenumber * q) + ripple_sin * np.sin(wavenumber * q)
+
+
+def held_friction(v: Any, z: Any, dt: float, drive: Drive, out: Any) -> None:
+    """Mean bristle forces ``out`` (m,) over one step; moves the deflections ``z`` (m,) on."""
+    m, n = drive.elements.shape
+    for i in range(m):
+        out[i] = 0.0
+        if drive.element[i, STIFFNESS] > 0.0:
+            speed = drive.elements[i, 0] * v[0]
+            for j in range(1, n):
+                speed += drive.elements[i, j] * v[j]
+            level = drive.element[i, FORWARD] if speed > 0.0 else drive.element[i, BACKWARD]
+            after = friction.bristle_step(speed, z[i], drive.element[i, STIFFNESS], level, dt)
+            out[i] = 0.5 * drive.element[i, STIFFNESS] * (z[i] + after)
+            z[i] = after
+
+
+def work_arrays(n: int) -> tuple[Any, ...]:
+    """Scratch for ``ode4_step`` with ``n`` shafts."""
+    return np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+
+
+def ode4_step(
+    q: Any, v: Any, held: Any, torque: Any, t: float, dt: float, drive: Drive, work: Any
+) -> None:
+    """One classical Runge-Kutta step of (1) in place, torque and held friction constant over it.
+
+    ``work`` is the scratch of ``work_arrays``.
+    """
+    n = q.shape[0]
+    scratch, a, q_stage, v_stage, q_sum, v_sum = work
+    for j in range(n):
+        q_stage[j], v_stage[j] = q[j], v[j]
+        q_sum[j] = v_sum[j] = 0.0
+    for stage in range(4):
+        ahead = 0.0 if stage == 0 else (dt if stage == 3 else 0.5 * dt)
+        acceleration(q_stage, v_stage, held, torque, t + ahead, drive, scratch, a)
+        weight = 2.0 if stage in (1, 2) else 1.0
+        following = dt if stage == 2 else 0.5 * dt
+        for j in range(n):
+            q_sum[j] += weight * v_stage[j]
+            v_sum[j] += weight * a[j]
+            q_stage[j] = q[j] + following * v_stage[j]
+            v_stage[j] = v[j] + following * a[j]
+    for j in range(n):
+        q[j] += dt / 6.0 * q_sum[j]
+        v[j] += dt / 6.0 * v_sum[j]
+
+
+def delayed_command(command: Any, k: int, j: int, delay: float, dt: float) -> float:
+    """Command (samples, n) of shaft ``j`` that acts during sample ``k``, ``delay`` seconds late.
+
+    The mean over the sample of the held command; before the first sample the command is the first.
+    """
+    samples = delay / dt
+    whole = int(np.floor(samples))
+    part = samples - whole
+    newer = command[max(k - whole, 0), j]
+    older = command[max(k - whole - 1, 0), j]
+    return newer + part * (older - newer)
+
+
+def delivered_torque(
+    command: float, state: float, gain: float, limit: float, lag: float, dt: float
+) -> tuple[float, float]:
+    """Torque of one actuator: its mean over a sample of held ``command``, and the lag's next state."""
+    target = control.clip(gain * command, limit)
+    if not lag > 0.0:
+        return target, target
+    ratio = lag / dt
+    decay = np.exp(-1.0 / ratio)
+    return target + (state - target) * ratio * (1.0 - decay), target + (state - target) * decay

@@ -1,0 +1,216 @@
+"""Compiled loops over the laws of a drive: closed-loop simulation and stabilised prediction.
+
+Both loops work sample by sample on arrays (samples, n) and call the plain functions of ``drive.py``
+and ``control.py``; the LeafSystems and the tests call the same ones.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import compilation, control, drive, encoder, friction
+from .drive import Drive
+
+compilation.register_laws(friction, encoder, control, drive)
+
+FEEDBACK = 0
+CASCADE = 1
+
+
+class LoopController(NamedTuple):
+    """A sampled controller as arrays, so that one kernel serves them all.
+
+    ``kind`` FEEDBACK: command = A (f r'' + Kp e + Ki int(e) + Kd D(e)) + F rate, with the observer's
+    rate; PD and task-space PD have A = 1, f = F = 0, computed torque A = M, f = 1, F = c D.
+    ``kind`` CASCADE: the cascade P-P law with ``kp[0, 0]``, ``kv`` and the mean-difference rate.
+    """
+
+    kind: int
+    kp: Any  # (n, n) Kp
+    ki: Any  # (n, n) Ki
+    kd: Any  # (n, n) Kd
+    cutoff: float  # N of the derivative filter [rad/s]
+    output: Any  # (n, n) A
+    feedforward: float  # f [-]
+    friction: Any  # (n, n) F
+    transition: Any  # (n, n) observer, see observer.DiscreteObserver
+    from_position: Any
+    from_torque: Any
+    rate_from_state: Any
+    rate_from_position: Any
+    kv: float  # velocity gain of the cascade
+    limit: float  # of the command [unit of the command]
+
+
+# Rows of a controller's memory (7, n); the last four are scratch.
+LOW_PASSED, INTEGRAL, OBSERVED, ERROR, SLOPE, RATE, SERVO = range(7)
+
+
+def initial_memory(controller: LoopController, position: Any) -> NDArray[np.float64]:
+    """Memory (7, n) of a controller that wakes up at ``position`` (n,), the machine at rest."""
+    memory = np.zeros((7, len(position)))
+    if np.any(controller.rate_from_state):
+        memory[OBSERVED] = -np.linalg.solve(
+            controller.rate_from_state, controller.rate_from_position @ np.asarray(position)
+        )
+    return memory
+
+
+@compilation.kernel
+def control_step(
+    k: int,
+    reference: Any,
+    reference_acceleration: Any,
+    position: Any,
+    controller: LoopController,
+    dt: float,
+    memory: Any,
+    command: Any,
+) -> None:
+    """Write ``command[k]`` (n,) from the samples (samples, n) up to ``k``; moves ``memory`` on."""
+    n = position.shape[1]
+    c = controller
+    if c.kind == CASCADE:
+        for j in range(n):
+            rate = (position[k, j] - position[max(k - 2, 0), j]) / (2.0 * dt)
+            value = control.cascade_p_p(reference[k, j], position[k, j], rate, c.kp[j, j], c.kv)
+            command[k, j] = control.clip(value, c.limit)
+        return
+    low, integral, observed, error, slope, rates, servo = memory
+    decay = control.derivative_decay(c.cutoff, dt)
+    for j in range(n):
+        error[j] = reference[k, j] - position[k, j]
+        slope[j] = control.filtered_derivative(error[j], low[j], c.cutoff)
+        low[j] = control.low_pass(error[j], low[j], decay)
+    for i in range(n):
+        rates[i] = control.row(i, c.rate_from_state, observed)
+        rates[i] += control.row(i, c.rate_from_position, position[k])
+        servo[i] = (
+            c.feedforward * reference_acceleration[k, i]
+            + control.row(i, c.kp, error)
+            + control.row(i, c.ki, integral)
+            + control.row(i, c.kd, slope)
+        )
+    for i in range(n):
+        value = control.row(i, c.output, servo) + control.row(i, c.friction, rates)
+        command[k, i] = control.clip(value, c.limit)
+        integral[i] += dt * error[i]
+    for i in range(n):  # the observer sees the torque of one sample ago, Fig. 4-2
+        slope[i] = control.row(i, c.transition, observed)
+        slope[i] += control.row(i, c.from_position, position[k])
+        if k > 0:
+            slope[i] += control.row(i, c.from_torque, command[k - 1])
+    for i in range(n):
+        observed[i] = slope[i]
+
+
+@compilation.kernel
+def replay_controller(
+    reference: Any,
+    reference_acceleration: Any,
+    position: Any,
+    controller: LoopController,
+    dt: float,
+    memory: Any,
+    command: Any,
+) -> None:
+    """Command (samples, n) that the controller computes from a measured position."""
+    for k in range(position.shape[0]):
+        control_step(
+            k, reference, reference_acceleration, position, controller, dt, memory, command
+        )
+
+
+@compilation.kernel
+def simulate(
+    reference: Any,
+    reference_acceleration: Any,
+    plant: Drive,
+    controller: LoopController,
+    dt: float,
+    lsb: float,
+    memory: Any,
+    position: Any,
+    command: Any,
+    delivered: Any,
+) -> None:
+    """Closed loop from rest at ``position[0]``: writes position, command, delivered (samples, n).
+
+    ``lsb`` is the encoder's step, 0 for an exact one; ``position`` is what the encoder reads.
+    ``delivered[k]`` is the mean torque at the shafts during sample ``k``.
+    """
+    samples, n = reference.shape
+    m = plant.elements.shape[0]
+    q = position[0].copy()
+    v = np.zeros(n)
+    z = np.zeros(m)
+    held = np.zeros(m)
+    lag = np.zeros(n)
+    work = drive.work_arrays(n)
+    for k in range(samples):
+        for j in range(n):
+            position[k, j] = encoder.read(q[j], lsb)
+        control_step(
+            k, reference, reference_acceleration, position, controller, dt, memory, command
+        )
+        _advance(k, q, v, z, held, lag, command, delivered, plant, dt, work)
+
+
+@compilation.kernel
+def predict(
+    position: Any, command: Any, plant: Drive, dt: float, bandwidth: float, residual: Any
+) -> None:
+    """One-sample-ahead prediction errors ``residual`` (samples, n) of the measured position.
+
+    The model is driven by the logged command and corrected by its own error with a double pole at
+    ``bandwidth`` [rad/s], a fixed-gain (alpha-beta) observer. Errors of a right model are as white as
+    the encoder's noise, whatever the controller; low frequencies weigh more at a low bandwidth.
+    """
+    samples, n = position.shape
+    m = plant.elements.shape[0]
+    pole = np.exp(-bandwidth * dt)
+    alpha = 1.0 - pole * pole
+    beta = (1.0 - pole) * (1.0 - pole) / dt
+    q = position[0].copy()
+    v = np.zeros(n)
+    z = np.zeros(m)
+    held = np.zeros(m)
+    lag = np.zeros(n)
+    delivered = np.zeros((samples, n))
+    work = drive.work_arrays(n)
+    for k in range(samples):
+        for j in range(n):
+            residual[k, j] = position[k, j] - q[j]
+            q[j] += alpha * residual[k, j]
+            v[j] += beta * residual[k, j]
+        _advance(k, q, v, z, held, lag, command, delivered, plant, dt, work)
+
+
+@compilation.kernel
+def _advance(
+    k: int,
+    q: Any,
+    v: Any,
+    z: Any,
+    held: Any,
+    lag: Any,
+    command: Any,
+    delivered: Any,
+    plant: Drive,
+    dt: float,
+    work: Any,
+) -> None:
+    """Move the plant on by one sample under ``command`` (samples, n); notes the delivered torque."""
+    for j in range(q.shape[0]):
+        late = drive.delayed_command(command, k, j, plant.shaft[j, drive.DELAY], dt)
+        delivered[k, j], lag[j] = drive.delivered_torque(
+            late,
+            lag[j],
+            plant.shaft[j, drive.GAIN],
+            plant.shaft[j, drive.LIMIT],
+            plant.shaft[j, drive.LAG],
+            dt,
+        )
+    drive.held_friction(v, z, dt, plant, held)
+    drive.ode4_step(q, v, held, delivered[k], k * dt, dt, plant, work)

@@ -1,0 +1,84 @@
+r"""Minimum-order Luenberger observer of the C-drive (Friedlaender 2015, section 4.4.2).
+
+In the decoupled coordinates :math:`\sigma = \sqrt E J \psi`, :math:`\varsigma = H^{-1}\dot\sigma`:
+
+1. :math:`\dot\kappa = U \kappa + U L \sigma + Z u`, :math:`u = \sqrt E^{-1} J \tau` (4.22b, 4.22d);
+2. :math:`\tilde\varsigma = \kappa + L \sigma` (4.22e), :math:`\tilde{\dot\psi} = J^{-1} \sqrt E^{-1} H
+   \tilde\varsigma`;
+3. :math:`U = -(1 + L) H`, with L from the poles by pole placement (4.24).
+
+The continuous observer is discretised exactly for inputs held over one sample. It needs viscous
+friction in both collar directions (H invertible).
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+from scipy.signal import place_poles
+
+from .c_drive import (
+    CDriveParameters,
+    damping_matrix,
+    inertia_matrix,
+    inverse_jacobian,
+    jacobian,
+)
+
+
+class DiscreteObserver(NamedTuple):
+    """Motor-rate observer: state kappa (n,), inputs psi (n,) [rad] and tau (n,) [N m].
+
+    ``kappa' = transition kappa + from_position psi + from_torque tau``,
+    ``rate = rate_from_state kappa + rate_from_position psi`` [rad/s]; all fields are (n, n).
+    """
+
+    transition: Any
+    from_position: Any
+    from_torque: Any
+    rate_from_state: Any
+    rate_from_position: Any
+
+
+def observer_gain(h: NDArray[np.float64], poles: Sequence[complex]) -> NDArray[np.float64]:
+    """L of eq. (4.24), (n, n), for H = diag(h) [1/s] and the observer poles [rad/s].
+
+    Raises ValueError if a pole is not in the open left half plane (4.25).
+    """
+    if not np.all(np.real(poles) < 0.0):
+        raise ValueError(f"observer poles are {list(poles)}; expected negative real parts")
+    placed = place_poles(-np.diag(h), np.diag(h), np.asarray(poles))
+    return np.asarray(np.real(placed.gain_matrix).T)
+
+
+def minimum_order_observer(
+    model: CDriveParameters, poles: Sequence[complex], dt: float
+) -> DiscreteObserver:
+    """Observer (1)-(3) of this model with the given poles [rad/s], sampled every ``dt`` seconds.
+
+    Raises ValueError if the model has no viscous friction, a pole is unstable or dt not positive.
+    """
+    if not dt > 0.0:
+        raise ValueError(f"dt is {dt}; expected a positive sample time in seconds")
+    J, J_inverse = jacobian(model.lead), inverse_jacobian(model.lead)
+    e = np.diag(J @ inertia_matrix(model) @ J_inverse)
+    g = np.diag(J @ damping_matrix(model) @ J_inverse)
+    if not np.all(g > 0.0):
+        raise ValueError("the observer needs viscous friction in both directions of the collar")
+    h = g / e
+    L = observer_gain(h, poles)
+    U = -(np.eye(2) + L) @ np.diag(h)
+    transition = expm(U * dt)
+    held = np.linalg.solve(U, transition - np.eye(2))
+    to_sigma = np.diag(np.sqrt(e)) @ J
+    to_input = np.diag(1.0 / np.sqrt(e)) @ J
+    to_rate = J_inverse @ np.diag(h / np.sqrt(e))
+    return DiscreteObserver(
+        transition=transition,
+        from_position=held @ U @ L @ to_sigma,
+        from_torque=held @ np.diag(1.0 / h) @ to_input,
+        rate_from_state=to_rate,
+        rate_from_position=to_rate @ L @ to_sigma,
+    )
