@@ -1,6 +1,5 @@
 """Controllers of the C-drive benchmark as arrays for the kernels (Friedlaender 2015, Table 5-1)."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +8,7 @@ from numpy.typing import NDArray
 
 from .c_drive import CDriveParameters, damping_matrix, inertia_matrix, inverse_jacobian, jacobian
 from .drive_kernels import FEEDBACK, LoopController
-from .observer import minimum_order_observer
+from .observer import DiscreteObserver, minimum_order_observer
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,19 +100,20 @@ def _feedback(
     output: Any,
     feedforward: float = 0.0,
     friction: Any = None,
-    observer: Sequence[Any] | None = None,
+    observer: DiscreteObserver | None = None,
 ) -> LoopController:
     zero = np.zeros((2, 2))
+    observer = observer or DiscreteObserver(zero, zero, zero, zero, zero)
     return LoopController(
-        FEEDBACK,
-        kp,
-        ki,
-        kd,
-        cutoff,
-        output,
-        feedforward,
-        zero if friction is None else friction,
-        *(observer if observer is not None else [zero] * 5),
-        0.0,
-        np.inf,
+        kind=FEEDBACK,
+        kp=kp,
+        ki=ki,
+        kd=kd,
+        cutoff=cutoff,
+        output=output,
+        feedforward=feedforward,
+        friction=zero if friction is None else friction,
+        **observer._asdict(),
+        kv=0.0,
+        limit=np.inf,
     )
