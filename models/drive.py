@@ -9,8 +9,10 @@ r"""An n-shaft electromechanical drive with constant inertia: the law behind C-d
 4. from command :math:`u` to torque: delay, gain, limit, first-order lag, in this order, and
    load-dependent friction proportional to the magnitude of the drive torque.
 
-Rotary shafts use rad and N m, linear ones m and N. Not modelled here: posture-dependent inertia and
-structural flexibility (``drive_elastic.py``).
+5. a coupling between two shafts: :math:`k \,\mathrm{dz}(\Delta q, g/2) + c \Delta\dot q` in contact,
+   dz the dead zone of the clearance g.
+
+Rotary shafts use rad and N m, linear ones m and N. Not modelled here: posture-dependent inertia.
 """
 
 from typing import Any, NamedTuple
@@ -22,6 +24,7 @@ from . import control, friction
 # Columns of ``Drive.element``, the constants of a friction element.
 (
     VISCOUS,  # [N m s/rad or N s/m]
+    VISCOUS_SKEW,  # what the coefficient has more forward, less backward [N m s/rad or N s/m]
     FORWARD,  # dry friction at positive speed [N m or N]
     BACKWARD,  # dry friction at negative speed [N m or N]
     BREAKAWAY,  # dry friction at standstill beyond the sliding level [N m or N]
@@ -29,7 +32,7 @@ from . import control, friction
     WIDTH,  # smoothing of the sign [rad/s or m/s]
     STIFFNESS,  # presliding stiffness, 0 for the smoothed sign [N m/rad or N/m]
     DRIFT,  # relative growth of friction with time [1/s]
-) = range(8)
+) = range(9)
 
 # Columns of ``Drive.shaft``, the constants of a shaft and its actuator.
 (
@@ -44,14 +47,24 @@ from . import control, friction
     LAG,  # time constant of the torque loop [s]
 ) = range(9)
 
+# Columns of ``Drive.coupling``, a flexible connection from one shaft to another.
+(
+    FROM_SHAFT,  # number of the driving shaft
+    TO_SHAFT,  # number of the driven shaft
+    COUPLING_STIFFNESS,  # [N m/rad or N/m]
+    COUPLING_DAMPING,  # [N m s/rad or N s/m]
+    GAP,  # whole clearance [rad or m]
+) = range(5)
+
 
 class Drive(NamedTuple):
     """Constants of one drive as arrays, so that kernels, batches and contexts can share them."""
 
     inertia_inverse: Any  # (n, n) inverse of M [1/(kg m^2) or 1/kg]
     elements: Any  # (m, n) E, speed of each friction element per shaft speed [-]
-    element: Any  # (m, 8) constants of the friction elements, columns above
+    element: Any  # (m, 9) constants of the friction elements, columns above
     shaft: Any  # (n, 9) constants of the shafts, columns above
+    coupling: Any  # (c, 5) flexible couplings between two shafts, columns above
 
     def copy(self) -> "Drive":
         """A drive whose arrays can be changed without changing this one."""
@@ -61,7 +74,7 @@ class Drive(NamedTuple):
 def ideal_drive(inertia: Any, elements: Any, viscous: Any, width: float) -> Drive:
     """Drive with viscous friction only, from M (n, n), E (m, n), coefficients (m,) and sign width."""
     m, n = np.shape(elements)
-    element = np.zeros((m, 8))
+    element = np.zeros((m, 9))
     element[:, VISCOUS] = viscous
     element[:, STRIBECK_SPEED] = 10.0 * width
     element[:, WIDTH] = width
@@ -69,7 +82,13 @@ def ideal_drive(inertia: Any, elements: Any, viscous: Any, width: float) -> Driv
     shaft[:, RIPPLE_WAVENUMBER] = 1.0
     shaft[:, GAIN] = 1.0
     shaft[:, LIMIT] = np.inf
-    return Drive(np.linalg.inv(inertia), np.array(elements, dtype=float), element, shaft)
+    return Drive(
+        np.linalg.inv(inertia),
+        np.array(elements, dtype=float),
+        element,
+        shaft,
+        np.zeros((0, 5)),
+    )
 
 
 def acceleration(
@@ -97,7 +116,7 @@ def acceleration(
         speed = drive.elements[i, 0] * v[0]
         for j in range(1, n):
             speed += drive.elements[i, j] * v[j]
-        force = friction.viscous(speed, drive.element[i, VISCOUS])
+        force = friction.viscous(speed, drive.element[i, VISCOUS], drive.element[i, VISCOUS_SKEW])
         if drive.element[i, STIFFNESS] == 0.0 and (
             drive.element[i, FORWARD] != 0.0 or drive.element[i, BACKWARD] != 0.0
         ):
@@ -112,6 +131,17 @@ def acceleration(
         force = held[i] + (1.0 + drive.element[i, DRIFT] * t) * force
         for j in range(n):
             work[j] -= drive.elements[i, j] * force
+    for c in range(drive.coupling.shape[0]):
+        i, j = int(drive.coupling[c, FROM_SHAFT]), int(drive.coupling[c, TO_SHAFT])
+        force = coupling_force(
+            q[i] - q[j],
+            v[i] - v[j],
+            drive.coupling[c, COUPLING_STIFFNESS],
+            drive.coupling[c, COUPLING_DAMPING],
+            drive.coupling[c, GAP],
+        )
+        work[i] -= force
+        work[j] += force
     for j in range(n):
         out[j] = drive.inertia_inverse[j, 0] * work[0]
         for k in range(1, n):
@@ -123,6 +153,18 @@ def load(q: Any, bias: Any, ripple_cos: Any, ripple_sin: Any, wavenumber: Any) -
     if ripple_cos == 0.0 and ripple_sin == 0.0:
         return bias
     return bias + ripple_cos * np.cos(wavenumber * q) + ripple_sin * np.sin(wavenumber * q)
+
+
+def coupling_force(
+    twist: float, rate: float, stiffness: float, damping: float, gap: float
+) -> float:
+    """Force (5) of a flexible coupling with clearance; damping acts in contact only."""
+    half = 0.5 * gap
+    if twist > half:
+        return stiffness * (twist - half) + damping * rate
+    if twist < -half:
+        return stiffness * (twist + half) + damping * rate
+    return 0.0
 
 
 def held_friction(v: Any, z: Any, dt: float, drive: Drive, out: Any) -> None:

@@ -129,6 +129,7 @@ def simulate(
     plant: Drive,
     controller: LoopController,
     dt: float,
+    substeps: int,
     lsb: float,
     memory: Any,
     position: Any,
@@ -138,53 +139,73 @@ def simulate(
     """Closed loop from rest at ``position[0]``: writes position, command, delivered (samples, n).
 
     ``lsb`` is the encoder's step, 0 for an exact one; ``position`` is what the encoder reads.
-    ``delivered[k]`` is the mean torque at the shafts during sample ``k``.
+    ``delivered[k]`` is the mean torque at the shafts during sample ``k``. The encoders sit on the
+    first n shafts of the plant; a flexible plant has more.
     """
     samples, n = reference.shape
-    m = plant.elements.shape[0]
-    q = position[0].copy()
-    v = np.zeros(n)
-    z = np.zeros(m)
-    held = np.zeros(m)
-    lag = np.zeros(n)
-    work = drive.work_arrays(n)
+    shafts = plant.shaft.shape[0]
+    q = np.zeros(shafts)
+    for j in range(shafts):
+        q[j] = position[0, j % n]
+    v, z, held, lag, torque = _rest(plant)
+    work = drive.work_arrays(shafts)
     for k in range(samples):
         for j in range(n):
             position[k, j] = encoder.read(q[j], lsb)
         control_step(
             k, reference, reference_acceleration, position, controller, dt, memory, command
         )
-        _advance(k, q, v, z, held, lag, command, delivered, plant, dt, work)
+        _advance(k, q, v, z, held, lag, torque, command, plant, dt, substeps, work)
+        for j in range(n):
+            delivered[k, j] = torque[j]
 
 
 @compilation.kernel
 def predict(
-    position: Any, command: Any, plant: Drive, dt: float, bandwidth: float, residual: Any
+    position: Any,
+    command: Any,
+    plant: Drive,
+    dt: float,
+    substeps: int,
+    bandwidth: float,
+    residual: Any,
 ) -> None:
     """One-sample-ahead prediction errors ``residual`` (samples, n) of the measured position.
 
     The model is driven by the logged command and corrected by its own error with a double pole at
     ``bandwidth`` [rad/s], a fixed-gain (alpha-beta) observer. Errors of a right model are as white as
     the encoder's noise, whatever the controller; low frequencies weigh more at a low bandwidth.
+    Driven shafts without an encoder are corrected with the shaft that drives them.
     """
     samples, n = position.shape
-    m = plant.elements.shape[0]
-    pole = np.exp(-bandwidth * dt)
-    alpha = 1.0 - pole * pole
-    beta = (1.0 - pole) * (1.0 - pole) / dt
-    q = position[0].copy()
-    v = np.zeros(n)
-    z = np.zeros(m)
-    held = np.zeros(m)
-    lag = np.zeros(n)
-    delivered = np.zeros((samples, n))
-    work = drive.work_arrays(n)
+    shafts = plant.shaft.shape[0]
+    alpha, beta = correction_gains(bandwidth, dt)
+    q = np.zeros(shafts)
+    for j in range(shafts):
+        q[j] = position[0, j % n]
+    v, z, held, lag, torque = _rest(plant)
+    work = drive.work_arrays(shafts)
     for k in range(samples):
         for j in range(n):
             residual[k, j] = position[k, j] - q[j]
-            q[j] += alpha * residual[k, j]
-            v[j] += beta * residual[k, j]
-        _advance(k, q, v, z, held, lag, command, delivered, plant, dt, work)
+        for j in range(shafts):
+            q[j] += alpha * residual[k, j % n]
+            v[j] += beta * residual[k, j % n]
+        _advance(k, q, v, z, held, lag, torque, command, plant, dt, substeps, work)
+
+
+@compilation.kernel
+def correction_gains(bandwidth: float, dt: float) -> tuple[float, float]:
+    """Gains on position [-] and speed [1/s] of the double pole exp(-bandwidth dt)."""
+    pole = np.exp(-bandwidth * dt)
+    return 1.0 - pole * pole, (1.0 - pole) * (1.0 - pole) / dt
+
+
+@compilation.kernel
+def _rest(plant: Drive) -> tuple[Any, ...]:
+    """Speeds, bristle deflections, held forces, lag states and torques of a machine at rest."""
+    m, shafts = plant.elements.shape
+    return np.zeros(shafts), np.zeros(m), np.zeros(m), np.zeros(shafts), np.zeros(shafts)
 
 
 @compilation.kernel
@@ -195,16 +216,17 @@ def _advance(
     z: Any,
     held: Any,
     lag: Any,
+    torque: Any,
     command: Any,
-    delivered: Any,
     plant: Drive,
     dt: float,
+    substeps: int,
     work: Any,
 ) -> None:
     """Move the plant on by one sample under ``command`` (samples, n); notes the delivered torque."""
-    for j in range(q.shape[0]):
+    for j in range(command.shape[1]):
         late = drive.delayed_command(command, k, j, plant.shaft[j, drive.DELAY], dt)
-        delivered[k, j], lag[j] = drive.delivered_torque(
+        torque[j], lag[j] = drive.delivered_torque(
             late,
             lag[j],
             plant.shaft[j, drive.GAIN],
@@ -212,5 +234,7 @@ def _advance(
             plant.shaft[j, drive.LAG],
             dt,
         )
-    drive.held_friction(v, z, dt, plant, held)
-    drive.ode4_step(q, v, held, delivered[k], k * dt, dt, plant, work)
+    step = dt / substeps
+    for part in range(substeps):
+        drive.held_friction(v, z, step, plant, held)
+        drive.ode4_step(q, v, held, torque, k * dt + part * step, step, plant, work)

@@ -28,9 +28,12 @@ def smooth_sign(v: Scalar, width: Scalar) -> Scalar:
     return np.tanh(v / width)
 
 
-def viscous(v: Scalar, coefficient: Scalar) -> Scalar:
-    """Friction proportional to speed (eq. 2.6b of Friedlaender for one element)."""
-    return coefficient * v
+def viscous(v: Scalar, coefficient: Scalar, skew: Scalar = 0.0) -> Scalar:
+    """Friction proportional to speed (eq. 2.6b of Friedlaender for one element).
+
+    ``skew`` is what the coefficient has more at positive and less at negative speed.
+    """
+    return coefficient * v + skew * np.abs(v)
 
 
 def dry(
