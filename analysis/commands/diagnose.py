@@ -9,5 +9,18 @@ import typer
 def diagnose(
     logset: Annotated[str, typer.Argument(help="A log set folder, or `thesis-c-drive`.")],
     out: Annotated[Path, typer.Option(help="Folder for diagnosis.json and report.html.")],
+    seed: Annotated[int, typer.Option(help="Seed of the bootstrap.")] = 0,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress, no table.")] = False,
 ) -> None:
     """Diagnose the gap between a log set and its nominal model."""
+    from rich.console import Console
+
+    from ..gap.diagnosis import diagnose as run
+    from ..gap.terminal import print_diagnosis
+
+    console = Console(stderr=True, quiet=quiet)
+    with console.status("reading") as status:
+        result = run(logset, seed=seed, progress=lambda text: status.update(text))
+    result.save(out)
+    if not quiet:
+        print_diagnosis(Console(), result)

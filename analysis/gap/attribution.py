@@ -1,0 +1,169 @@
+"""Which effects: fit every hypothesis, grow the best ones, and say how sure the choice is.
+
+Every single effect is fitted in each of its forms, scored on held-out runs, pruned of parameters
+that the data do not need, and grown by forward selection while a further effect pays. How often a
+hypothesis wins when the blocks of the held-out losses are resampled is its probability.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .effects import Form
+from .fitting import Predictor, fit
+from .hypothesis import Fit, Hypothesis, price
+from .machine import Array
+
+MOST_EFFECTS = 3
+BEAM = 2  # single effects that a second one is added to
+LEAST_GAIN = 0.02  # smallest fall of the log residual worth a first effect, beyond its price
+LEAST_FURTHER_GAIN = 0.1  # the same for every further effect or a richer form
+NEAR_FLOOR = 1.03  # a residual this close to the floor, as a ratio, leaves nothing to explain
+IDLE = 1e-3  # a parameter whose loss rises by less than this without it goes at once
+RESAMPLES = 1000
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ranked:
+    """A hypothesis in the ranking."""
+
+    fit: Fit
+    probability: float
+    gain: float  # fall of the log held-out residual against the retuned nominal
+    gain_interval: tuple[float, float]  # 95 %, block bootstrap
+
+
+def attribute(
+    predictor: Predictor,
+    retuned: Fit,
+    forms: Sequence[Form],
+    floor: float,
+    seed: int,
+    progress: Progress,
+) -> list[Ranked]:
+    """Every hypothesis that was tried, best first; ``floor`` in the unit of the residual."""
+    plain = [form for form in forms if not form.refined]
+    refined = [form for form in forms if form.refined]
+    singles = _add_each(predictor, retuned, plain, progress)
+    singles = [_pruned(predictor, f) for f in _best_by_ids(singles)]
+    fits = [retuned, *singles]
+    parents = [f for f in sorted(singles, key=lambda f: f.score) if _better(f, retuned)][:BEAM]
+    best = parents[0] if parents else retuned
+    while parents and len(best.hypothesis.forms) < MOST_EFFECTS:
+        if best.held_out_rms < NEAR_FLOOR * floor:
+            break
+        children = [c for p in parents for c in _add_each(predictor, p, plain, progress)]
+        children = sorted(_best_by_ids(children), key=lambda f: f.score)
+        if not children:
+            break
+        child = _pruned(predictor, children[0])
+        fits += [child, *children[1:]]
+        if best.score - child.score < LEAST_FURTHER_GAIN:
+            break
+        best, parents = child, [child]
+    for form in refined:
+        progress(f"{form.effect}, {form.name}")
+        fits.append(_pruned(predictor, _refine(predictor, best, retuned, form)))
+    return rank([f for f in fits if f.converged], retuned, seed)
+
+
+def _better(candidate: Fit, retuned: Fit) -> bool:
+    return candidate.converged and retuned.score - candidate.score > LEAST_GAIN
+
+
+def _add_each(
+    predictor: Predictor, parent: Fit, forms: Sequence[Form], progress: Progress
+) -> list[Fit]:
+    """The parent with each further form that can act beside its own."""
+    children: list[Fit] = []
+    families = {form.family for form in parent.hypothesis.forms if form.family}
+    for form in forms:
+        if form.effect in parent.hypothesis.ids or form.family in families:
+            continue
+        progress(f"{parent.hypothesis.label} + {form.effect}, {form.name}")
+        same = [f for f in children if f.hypothesis.ids[-1] == form.effect]
+        warm = min(same, key=lambda f: f.score) if same else parent
+        children.append(fit(predictor, parent.hypothesis.with_form(form), warm))
+    return children
+
+
+def _refine(predictor: Predictor, best: Fit, retuned: Fit, form: Form) -> Fit:
+    """The best hypothesis with its form of this effect made richer, or the richer form alone."""
+    if form.effect in best.hypothesis.ids:
+        return fit(predictor, best.hypothesis.without(form.effect).with_form(form), best)
+    return fit(predictor, Hypothesis(forms=(form,)), retuned)
+
+
+def _pruned(predictor: Predictor, full: Fit) -> Fit:
+    """Drop removable parameters, least important first, while the score does not get worse."""
+    current = full
+    while True:
+        removable = {
+            (form.effect, name) for form in current.hypothesis.forms for name in form.removable
+        }
+        candidates = [
+            (importance, key)
+            for importance, key in zip(current.importance, current.keys)
+            if key in removable
+        ]
+        candidates = [c for c in candidates if _may_go(c[1], candidates)]
+        if not candidates:
+            return current
+        smaller = current.hypothesis.drop(min(candidates)[1])
+        for importance, key in sorted(candidates)[1:]:
+            left = [c for c in candidates if (c[1] not in smaller.dropped)]
+            if importance < IDLE and _may_go(key, left):
+                smaller = smaller.drop(key)
+        trial = fit(predictor, smaller, current)
+        if trial.score > current.score:
+            return current
+        current = trial
+
+
+def _may_go(key: tuple[str, str], candidates: Sequence[tuple[float, tuple[str, str]]]) -> bool:
+    """Whether its effect would keep another removable parameter."""
+    return any(other[0] == key[0] and other != key for _, other in candidates)
+
+
+def _best_by_ids(fits: Sequence[Fit]) -> list[Fit]:
+    """The best form of every set of effects."""
+    best: dict[frozenset[str], Fit] = {}
+    for candidate in fits:
+        ids = frozenset(candidate.hypothesis.ids)
+        if ids not in best or candidate.score < best[ids].score:
+            best[ids] = candidate
+    return list(best.values())
+
+
+def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
+    """Best first, with bootstrap probabilities and gains over the retuned nominal."""
+    chosen = _best_by_ids(fits)
+    losses = np.array([f.losses for f in chosen])
+    prices = np.array([price(f.hypothesis) for f in chosen])
+    samples = retuned.samples
+    rng = np.random.default_rng(seed)
+    draws = rng.integers(0, samples.size, (RESAMPLES, samples.size))
+    logs = _log_rms(losses, samples, draws)
+    wins = np.bincount(np.argmin(logs + prices[:, None], axis=0), minlength=len(chosen))
+    reference = _log_rms(retuned.losses[None], samples, draws)[0]
+    ranked = []
+    for i, candidate in enumerate(chosen):
+        low, high = np.quantile(reference - logs[i], [0.025, 0.975])
+        ranked.append(
+            Ranked(
+                fit=candidate,
+                probability=float((wins[i] + 1.0 / len(chosen)) / (RESAMPLES + 1.0)),
+                gain=float(np.log(retuned.held_out_rms / candidate.held_out_rms)),
+                gain_interval=(float(low), float(high)),
+            )
+        )
+    return sorted(ranked, key=lambda r: r.fit.score)
+
+
+def _log_rms(losses: Array, samples: Array, draws: Array) -> Array:
+    """Log rms (hypotheses, draws) of resampled blocks."""
+    count = samples[draws].sum(axis=1)
+    return np.array([0.5 * np.log(row[draws].sum(axis=1) / count) for row in losses])

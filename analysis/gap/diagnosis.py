@@ -1,0 +1,354 @@
+"""The instrument from log set to diagnosis.
+
+log set -> align clocks -> noise floor -> retuned nominal -> localise -> attribute -> verdict ->
+shrinkage on held-out runs. The result is data; ``report`` and the command line only show it.
+"""
+
+import hashlib
+import json
+import platform
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..files import output_folder, write_whole
+from .attribution import Ranked, attribute
+from .clock import ClockCheck, align
+from .effects import Scales, forms_for
+from .fitting import Predictor, fit
+from .floor import noise_floor
+from .hypothesis import Fit, Hypothesis
+from .location import locate
+from .logset import FILE, LogSet, load_logset
+from .machine import Array, Machine, RunData
+from .machines import read_machine
+from .shrinkage import Shrinkage, closed_loop, shrinkage
+from .verdict import Verdict, decide
+
+HELD_BACK = 0.3  # share of a lone run's end that is kept for validation
+VISIBLE = 0.5  # a parameter known worse than this share of its typical size is not visible
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Diagnosis:
+    """Everything a diagnosis found."""
+
+    logset: LogSet
+    machine: Machine
+    runs: tuple[RunData, ...]
+    clock: tuple[ClockCheck, ...]
+    floor: float  # on the fit runs [position unit]
+    nominal: Fit
+    retuned: Fit
+    chosen: Fit  # the accepted hypothesis, or the retuned nominal
+    ranking: tuple[Ranked, ...]
+    validation: dict[frozenset[str], float]  # rms on validation runs [position unit]
+    verdict: Verdict
+    location: dict[str, list[dict[str, Any]]]
+    shrinkage: Shrinkage
+    closed_loop: dict[str, Any]
+    warnings: tuple[str, ...]
+    next_experiment: dict[str, Any]
+    provenance: dict[str, Any]
+
+    def to_json(self) -> dict[str, Any]:
+        """``diagnosis.json`` as in FORMAT.md, with a few keys beyond it."""
+        accepted = self.verdict.accepted
+        return {
+            "verdict": self.verdict.verdict,
+            "reason": self.verdict.reason,
+            "effects": [] if accepted is None else self._effects(accepted),
+            "ranking": [self._ranked(r) for r in self.ranking],
+            "location": self.location,
+            "shrinkage": _shrinkage_json(self.shrinkage, self.closed_loop),
+            "warnings": list(self.warnings),
+            "next_experiment": self.next_experiment,
+            "retuned": {key[1]: value for key, value in self.retuned.by_key().items()},
+            "clock": [
+                {"run": c.run, "lag_samples": c.lag, "relative_disagreement": c.disagreement}
+                for c in self.clock
+            ],
+            "provenance": self.provenance,
+        }
+
+    def save(self, folder: str | Path) -> Path:
+        """Write ``diagnosis.json`` into the folder, whole or not at all."""
+        path = output_folder(Path(folder)) / "diagnosis.json"
+        write_whole(path, json.dumps(self.to_json(), indent=1, allow_nan=False))
+        return path
+
+    def _effects(self, accepted: Ranked) -> list[dict[str, Any]]:
+        candidates = [accepted] if not self.verdict.rivals else [accepted, *self.verdict.rivals]
+        effects = {}
+        for ranked in candidates:
+            for form in ranked.fit.hypothesis.forms:
+                kept = [p.name for p in ranked.fit.hypothesis.kept(form)]
+                effects.setdefault(
+                    form.effect,
+                    {
+                        "id": form.effect,
+                        "form": form.name,
+                        "where": form.where(kept),
+                        "probability": self.probability(form.effect),
+                        "parameters": _parameters(ranked.fit, form.effect),
+                    },
+                )
+        return list(effects.values())
+
+    def probability(self, effect: str) -> float:
+        """Probability that the effect acts: of all hypotheses that contain it."""
+        with_it = [r.probability for r in self.ranking if effect in r.fit.hypothesis.ids]
+        return min(float(sum(with_it)), 1.0)
+
+    def _ranked(self, ranked: Ranked) -> dict[str, Any]:
+        hypothesis = ranked.fit.hypothesis
+        return {
+            "ids": list(hypothesis.ids),
+            "forms": [form.name for form in hypothesis.forms],
+            "probability": ranked.probability,
+            "validation_error": self.validation[frozenset(hypothesis.ids)],
+            "held_out_error": ranked.fit.held_out_rms,
+            "fit_error": ranked.fit.rms,
+            "gain_over_retuned": ranked.gain,
+            "gain_ci95": list(ranked.gain_interval),
+            "parameters": hypothesis.size,
+        }
+
+
+def diagnose(
+    logset: str | Path | LogSet, *, seed: int = 0, progress: Progress | None = None
+) -> Diagnosis:
+    """Diagnose a log set.
+
+    Raises InputError for unusable input. ``progress`` is called with a few words before each step.
+    """
+    started = time.perf_counter()
+    tell = progress or (lambda text: None)
+    log = logset if isinstance(logset, LogSet) else load_logset(logset)
+    tell("aligning clocks")
+    machine, runs = read_machine(log)
+    runs, clock = align(runs)
+    runs = _with_validation(runs)
+    fit_runs = [run for run in runs if run.use == "fit"]
+    held_back = [run for run in runs if run.use == "validate"]
+    predictor = Predictor(machine, fit_runs)
+    tell("retuning the nominal model")
+    nominal = _nominal_fit(predictor)
+    retuned = fit(predictor, Hypothesis())
+    residuals = predictor.residuals(retuned.hypothesis, [retuned.values], retuned.keys)[0]
+    floor = _floor(fit_runs, residuals, machine)
+    forms = forms_for(machine, _scales(fit_runs))
+    ranking = attribute(predictor, retuned, forms, floor, seed, tell)
+    retuned_rank = next(r for r in ranking if not r.fit.hypothesis.forms)
+    best = predictor.residuals(
+        ranking[0].fit.hypothesis, [ranking[0].fit.values], ranking[0].fit.keys
+    )[0]
+    floor = _floor(fit_runs, best, machine)
+    verdict = decide(ranking, retuned_rank, floor)
+    chosen = verdict.accepted.fit if verdict.accepted else retuned
+    tell("verifying on held-out runs")
+    shrunk = shrinkage(machine, held_back, retuned, chosen, seed)
+    loops = closed_loop(
+        machine, held_back, {"before": nominal, "retuned": retuned, "after": chosen}
+    )
+    return Diagnosis(
+        logset=log,
+        machine=machine,
+        runs=tuple(runs),
+        clock=tuple(clock),
+        floor=floor,
+        nominal=nominal,
+        retuned=retuned,
+        chosen=chosen,
+        ranking=tuple(ranking),
+        validation=_validation_errors(machine, held_back, ranking),
+        verdict=verdict,
+        location=locate(fit_runs, residuals, machine, seed),
+        shrinkage=shrunk,
+        closed_loop=loops,
+        warnings=tuple(_warnings(log, runs, clock, ranking, shrunk)),
+        next_experiment=_next_experiment(predictor, ranking, verdict),
+        provenance=_provenance(log, seed, predictor.simulations, time.perf_counter() - started),
+    )
+
+
+def _with_validation(runs: Sequence[RunData]) -> list[RunData]:
+    """The runs; where none is marked for validation, the end of each fit run is held back."""
+    if any(run.use == "validate" for run in runs):
+        return list(runs)
+    split = []
+    for run in runs:
+        cut = int(len(run.t) * (1.0 - HELD_BACK))
+        split.append(replace(run, window=slice(0, cut)))
+        split.append(replace(run, use="validate", window=slice(cut, None)))
+    return split
+
+
+def _nominal_fit(predictor: Predictor) -> Fit:
+    """The nominal model as it stands, as a fit without free parameters."""
+    empty = fit(Predictor(_frozen(predictor.machine), predictor.runs), Hypothesis())
+    values = predictor.machine.nominal()
+    return replace(
+        empty,
+        keys=tuple(("", name) for name in values),
+        values=np.array(list(values.values())),
+        deviation=np.zeros(len(values)),
+    )
+
+
+def _frozen(machine: Machine) -> Machine:
+    own = tuple(replace(p, lower=p.starts[0], upper=p.starts[0]) for p in machine.own)
+    return replace(machine, own=own)
+
+
+def _floor(runs: Sequence[RunData], residuals: Sequence[Array], machine: Machine) -> float:
+    floors, _ = noise_floor(runs, residuals, machine.bandwidth)
+    return float(np.sqrt(np.mean(np.concatenate([f.ravel() for f in floors]) ** 2)))
+
+
+def _scales(runs: Sequence[RunData]) -> Scales:
+    command = np.concatenate([run.command[run.window] for run in runs])
+    rate = np.concatenate([run.reference_rate[run.window] for run in runs])
+    position = np.concatenate([run.position[run.window] for run in runs])
+    travel = float(np.ptp(position))
+    return Scales(
+        effort=float(np.sqrt(np.mean(command**2))),
+        effort_peak=float(np.max(np.abs(command))),
+        rate=float(np.sqrt(np.mean(rate**2))),
+        rate_peak=float(np.max(np.abs(rate))),
+        travel=travel,
+        dt=runs[0].dt,
+        lsb=runs[0].lsb or 1e-6 * travel,
+    )
+
+
+def _validation_errors(
+    machine: Machine, runs: Sequence[RunData], ranking: Sequence[Ranked]
+) -> dict[frozenset[str], float]:
+    predictor = Predictor(machine, runs)
+    errors = {}
+    for ranked in ranking:
+        fitted = ranked.fit
+        residuals = predictor.residuals(fitted.hypothesis, [fitted.values], fitted.keys)[0]
+        flat = np.concatenate([r.ravel() for r in residuals])
+        errors[frozenset(fitted.hypothesis.ids)] = float(np.sqrt(np.mean(flat**2)))
+    return errors
+
+
+def _warnings(
+    log: LogSet,
+    runs: Sequence[RunData],
+    clock: Sequence[ClockCheck],
+    ranking: Sequence[Ranked],
+    shrunk: Shrinkage,
+) -> list[str]:
+    warnings = []
+    for check in clock:
+        if check.lag:
+            warnings.append(
+                f"{check.run}: the command is logged {check.lag} samples late; this was removed "
+                "before anything was blamed on the machine."
+            )
+        if not check.faithful:
+            warnings.append(
+                f"{check.run}: the stated controller does not reproduce the logged command "
+                f"(difference {100 * check.disagreement:.0f} % rms); closed-loop results for this "
+                "run are not to be trusted."
+            )
+    if not log.validate:
+        warnings.append(
+            f"No run is marked validate: the last {100 * HELD_BACK:.0f} % of every run were held "
+            "back and used for shrinkage only."
+        )
+    if "encoder resolution; the runs" in shrunk.floor_source:
+        warnings.append(
+            "The floor is the encoder's resolution, a lower bound: no motion is repeated, so the "
+            "machine's own repeatability is unknown."
+        )
+    for ranked in ranking:
+        if len(ranked.fit.hypothesis.forms) == 1:
+            form = ranked.fit.hypothesis.forms[0]
+            sizes = {p.name: p.scale for p in form.parameters}
+            spread = [
+                d / sizes[name]
+                for (effect, name), d in zip(ranked.fit.keys, ranked.fit.deviation)
+                if effect == form.effect
+            ]
+            if spread and min(spread) > VISIBLE:
+                warnings.append(
+                    f"{form.effect} is not visible in this data: its parameters are known no "
+                    f"better than {100 * min(spread):.0f} % of their typical size."
+                )
+    return warnings
+
+
+def _next_experiment(
+    predictor: Predictor, ranking: Sequence[Ranked], verdict: Verdict
+) -> dict[str, Any]:
+    """The logged motion on which the best two hypotheses differ most: repeat that one first."""
+    if len(ranking) < 2 or verdict.verdict == "no_gap":
+        return {}
+    first, second = ranking[0].fit, ranking[1].fit
+    a = predictor.residuals(first.hypothesis, [first.values], first.keys)[0]
+    b = predictor.residuals(second.hypothesis, [second.values], second.keys)[0]
+    difference = [float(np.sqrt(np.mean((x - y) ** 2))) for x, y in zip(a, b)]
+    run = predictor.runs[int(np.argmax(difference))]
+    return {
+        "repeat": {"run": run.name, **{k: v for k, v in run.settings.items() if k != "note"}},
+        "separates": [list(first.hypothesis.ids), list(second.hypothesis.ids)],
+        "prediction_difference": max(difference),
+        "unit": predictor.machine.position_unit,
+    }
+
+
+def _parameters(fitted: Fit, effect: str) -> dict[str, Any]:
+    return {
+        name: {
+            "value": float(value),
+            "ci95": [float(value - 1.96 * sd), float(value + 1.96 * sd)],
+            "unit": unit,
+        }
+        for (owner, name), unit, value, sd in zip(
+            fitted.keys, fitted.units, fitted.values, fitted.deviation
+        )
+        if owner == effect
+    }
+
+
+def _shrinkage_json(s: Shrinkage, loops: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "metric": s.metric,
+        "before": s.before,
+        "retuned": s.retuned,
+        "after": s.after,
+        "floor": s.floor,
+        "percent": s.percent,
+        "ci95": list(s.ci95) if s.ci95 else None,
+        "rms_command": s.relative_to_command,
+        "floor_source": s.floor_source,
+        "runs": list(s.runs),
+        "closed_loop": loops,
+    }
+
+
+def _provenance(log: LogSet, seed: int, simulations: int, seconds: float) -> dict[str, Any]:
+    digest = hashlib.sha256()
+    for name in (FILE, *sorted({run.name for run in log.runs})):
+        digest.update((log.folder / name).read_bytes())
+    return {
+        "gapscope": version("gapscope"),
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "logset": log.name,
+        "sha256": digest.hexdigest(),
+        "seed": seed,
+        "simulations": simulations,
+        "seconds": seconds,
+    }

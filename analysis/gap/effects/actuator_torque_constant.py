@@ -1,0 +1,49 @@
+"""A wrong gain from command to torque."""
+
+from ....models.drive import GAIN
+from ..machine import Machine, Plant
+from .base import Effect, Form, Scales, Values, at, everywhere, parameter
+
+
+def forms(machine: Machine, scales: Scales) -> list[Form]:
+    """One gain error for all actuators; a second form lets each have its own."""
+
+    def bounded(name: str) -> object:
+        return parameter(name, "-", 0.2, lower=-0.8, upper=3.0, starts=(0.0,))
+
+    common = Form(
+        effect=EFFECT.id,
+        name="common gain",
+        parameters=(bounded("gain_error"),),  # type: ignore[arg-type]
+        apply=_apply_common,
+        where=everywhere("joints", machine.shafts),
+    )
+    if len(machine.shafts) == 1:
+        return [common]
+    each = tuple(bounded(f"gain_error_{s}") for s in machine.shafts)
+
+    def apply(plant: Plant, values: Values) -> None:
+        for j, s in enumerate(machine.shafts):
+            plant.drive.shaft[j, GAIN] *= 1.0 + values.get(f"gain_error_{s}", 0.0)
+
+    own = Form(
+        effect=EFFECT.id,
+        name="gain of each actuator",
+        parameters=each,  # type: ignore[arg-type]
+        apply=apply,
+        where=at("joints", "gain_error_"),
+        removable=frozenset(f"gain_error_{s}" for s in machine.shafts),
+    )
+    return [common, own]
+
+
+def _apply_common(plant: Plant, values: Values) -> None:
+    plant.drive.shaft[:, GAIN] *= 1.0 + values["gain_error"]
+
+
+EFFECT = Effect(
+    id="actuator.torque_constant",
+    summary="wrong gain from command to torque",
+    forms=forms,
+    signature="unexplained torque proportional to the commanded torque",
+)

@@ -1,0 +1,99 @@
+"""What an effect is: an id of the catalogue and one or more mathematical forms to fit."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..machine import Machine, Parameter, Plant
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scales:
+    """Typical sizes of a log set, from which forms derive bounds and starts."""
+
+    effort: float  # rms of the command
+    effort_peak: float  # largest command
+    rate: float  # rms of the reference rate
+    rate_peak: float
+    travel: float  # range of the position
+    lsb: float  # encoder step, or 1e-6 of the travel where none can be seen
+
+    @property
+    def presliding_travel(self) -> float:
+        """Elastic travel from which on it is an effect of its own, not the corner of dry friction."""
+        return max(4.0 * self.lsb, 1e-4 * self.travel)
+
+    dt: float  # [s]
+
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Form:
+    """One mathematical form of an effect on one machine.
+
+    ``apply`` changes a plant by the values of ``parameters``; a value left out is zero, no effect.
+    Parameters in ``removable`` may be dropped one by one when the data do not need them.
+    ``replaces`` names own parameters of the machine that stay at their nominal value because the form
+    takes their place.
+    """
+
+    effect: str
+    name: str
+    parameters: tuple[Parameter, ...]
+    apply: Callable[[Plant, Values], None]
+    where: Callable[[Sequence[str]], dict[str, Any]]
+    removable: frozenset[str] = frozenset()
+    replaces: frozenset[str] = frozenset()
+    family: str = ""  # forms of one family describe the same contact and never act together
+    refined: bool = False  # a richer version of another form, tried once that form is chosen
+    step: float = 0.0  # finite-difference step in parameter scales, where the default is too fine
+
+
+@dataclass(frozen=True, kw_only=True)
+class Effect:
+    """A physical mechanism of EFFECTS.md and how to try it on a machine."""
+
+    id: str
+    summary: str
+    forms: Callable[[Machine, Scales], list[Form]]
+    # What the unexplained torque of a machine with this effect looks like, for the report.
+    signature: str
+
+
+def parameter(
+    name: str,
+    unit: str,
+    scale: float,
+    *,
+    lower: float = -np.inf,
+    upper: float = np.inf,
+    starts: Sequence[float] | None = None,
+) -> Parameter:
+    """A parameter that starts from 0.02 of its scale, almost no effect, unless told otherwise."""
+    return Parameter(
+        name=name,
+        unit=unit,
+        lower=lower,
+        upper=upper,
+        scale=scale,
+        starts=tuple(starts) if starts is not None else (0.02 * scale,),
+    )
+
+
+def at(kind: str, prefix: str) -> Callable[[Sequence[str]], dict[str, Any]]:
+    """Places from the names of the parameters that stayed: ``level_left`` acts at ``left``."""
+
+    def where(names: Sequence[str]) -> dict[str, Any]:
+        places = [name.removeprefix(prefix) for name in names if name.startswith(prefix)]
+        return {kind: places}
+
+    return where
+
+
+def everywhere(kind: str, places: Sequence[str]) -> Callable[[Sequence[str]], dict[str, Any]]:
+    """The same places whatever parameters stayed."""
+    return lambda names: {kind: list(places)}

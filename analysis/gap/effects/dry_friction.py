@@ -1,0 +1,63 @@
+"""What the effects of dry friction share: levels by element and direction, and two laws."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ....models.drive import BACKWARD, FORWARD, STIFFNESS, WIDTH
+from ..machine import Machine, Parameter, Plant
+from .base import Scales, Values, parameter
+
+MOST_SUBSTEPS = 8
+STABLE = 2.0  # Runge-Kutta steps are kept below this many time constants of the smoothed sign
+
+
+FAMILY = "dry friction"
+
+
+def level_parameters(machine: Machine, scales: Scales) -> tuple[Parameter, ...]:
+    """A level for each friction element."""
+    return tuple(
+        parameter(f"level_{e}", machine.unit("effort"), scales.effort, lower=0.0)
+        for e in machine.elements
+    )
+
+
+def asymmetry_parameters(machine: Machine) -> tuple[Parameter, ...]:
+    """The share that each element's level has more forward and less backward."""
+    return tuple(
+        parameter(f"asymmetry_{e}", "-", 0.3, lower=-1.0, upper=1.0, starts=(0.0,))
+        for e in machine.elements
+    )
+
+
+def apply_smooth_sign(machine: Machine, scales: Scales) -> Callable[[Plant, Values], None]:
+    """Levels with a smoothed sign of the given width; short steps keep it stable."""
+
+    def apply(plant: Plant, values: Values) -> None:
+        _add_levels(plant, values, machine)
+        plant.drive.element[:, WIDTH] = values["width"]
+        steepest = float(np.max(plant.drive.element[:, (FORWARD, BACKWARD)])) / values["width"]
+        fastest = steepest / float(np.linalg.eigvalsh(plant.inertia)[0])
+        wanted = int(np.ceil(fastest * scales.dt / STABLE))
+        plant.substeps = max(plant.substeps, min(wanted, MOST_SUBSTEPS))
+
+    return apply
+
+
+def apply_bristles(machine: Machine, scales: Scales) -> Callable[[Plant, Values], None]:
+    """Levels reached after an elastic travel, Dahl's law."""
+
+    def apply(plant: Plant, values: Values) -> None:
+        _add_levels(plant, values, machine)
+        levels = plant.drive.element[:, (FORWARD, BACKWARD)]
+        plant.drive.element[:, STIFFNESS] = levels.mean(axis=1) / values["travel"]
+
+    return apply
+
+
+def _add_levels(plant: Plant, values: Values, machine: Machine) -> None:
+    for i, e in enumerate(machine.elements):
+        level, asymmetry = values.get(f"level_{e}", 0.0), values.get(f"asymmetry_{e}", 0.0)
+        plant.drive.element[i, FORWARD] += level * (1.0 + asymmetry)
+        plant.drive.element[i, BACKWARD] += level * (1.0 - asymmetry)

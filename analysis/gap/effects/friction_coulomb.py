@@ -1,0 +1,60 @@
+"""Dry friction whose level does not depend on speed; may differ by element and direction."""
+
+from ..machine import Machine, Parameter
+from .base import Effect, Form, Scales, at, parameter
+from .dry_friction import (
+    FAMILY,
+    apply_bristles,
+    apply_smooth_sign,
+    asymmetry_parameters,
+    level_parameters,
+)
+
+
+def forms(machine: Machine, scales: Scales) -> list[Form]:
+    """Levels by element and direction, with a smoothed sign or with bristles (Dahl)."""
+    levels = level_parameters(machine, scales)
+    width = parameter(
+        "width",
+        machine.unit("rate"),
+        0.01 * scales.rate,
+        lower=1e-4 * scales.rate,
+        upper=0.2 * scales.rate,
+        starts=(0.01 * scales.rate,),
+    )
+    travel = parameter(
+        "travel",
+        machine.unit("position"),
+        0.2 * scales.presliding_travel,
+        lower=0.02 * scales.presliding_travel,
+        upper=scales.presliding_travel,
+        starts=(0.2 * scales.presliding_travel,),
+    )
+
+    def form(name: str, shape: Parameter, *, by_direction: bool) -> Form:
+        law = apply_smooth_sign if shape is width else apply_bristles
+        free = (*levels, *asymmetry_parameters(machine)) if by_direction else levels
+        return Form(
+            effect=EFFECT.id,
+            name=f"{name}, by direction" if by_direction else name,
+            parameters=(*free, shape),
+            apply=law(machine, scales),
+            where=at("elements", "level_"),
+            removable=frozenset(p.name for p in free),
+            family=FAMILY,
+            refined=by_direction,
+        )
+
+    return [
+        form(name, shape, by_direction=by_direction)
+        for by_direction in (False, True)
+        for name, shape in (("smoothed sign", width), ("Dahl", travel))
+    ]
+
+
+EFFECT = Effect(
+    id="friction.coulomb",
+    summary="dry friction; may differ by joint, side or direction",
+    forms=forms,
+    signature="unexplained torque that steps with the sign of the speed",
+)

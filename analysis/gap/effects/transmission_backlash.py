@@ -1,0 +1,55 @@
+"""Clearance between motor and load: a dead zone that opens when the transmitted force changes sign."""
+
+from ..machine import Machine, Plant
+from .base import Effect, Form, Scales, Values, everywhere, parameter
+from .two_inertia import split
+
+CONTACT = 3e4  # contact stiffness: the peak effort deflects it by 1/CONTACT of the travel
+
+
+def forms(machine: Machine, scales: Scales) -> list[Form]:
+    """The same clearance at every shaft; contact is stiff and dissipates."""
+    unit = 5e-4 * scales.travel
+    gap = parameter(
+        "gap",
+        machine.unit("position"),
+        unit,
+        lower=0.0,
+        upper=200.0 * unit,
+        starts=(unit, 0.1 * unit, 0.3 * unit, 3.0 * unit, 10.0 * unit),
+    )
+    share = parameter(
+        "motor_share", "-", 0.3, lower=0.05, upper=0.97, starts=(machine.motor_share,)
+    )
+    damping = parameter("contact_damping_ratio", "-", 0.5, lower=0.02, upper=3.0, starts=(1.0,))
+    stiffness = CONTACT * scales.effort_peak / scales.travel
+
+    def apply(plant: Plant, values: Values) -> None:
+        split(
+            plant,
+            machine,
+            share=values["motor_share"],
+            stiffness=stiffness,
+            damping_ratio=values["contact_damping_ratio"],
+            gap=values["gap"],
+            dt=scales.dt,
+        )
+
+    return [
+        Form(
+            effect=EFFECT.id,
+            name="dead zone, stiff contact",
+            parameters=(gap, share, damping),
+            apply=apply,
+            where=everywhere("joints", machine.shafts),
+            step=0.02,
+        )
+    ]
+
+
+EFFECT = Effect(
+    id="transmission.backlash",
+    summary="clearance, dead zone on reversal",
+    forms=forms,
+    signature="short bursts of unexplained torque after the torque changes sign",
+)

@@ -1,0 +1,285 @@
+"""Fit hypotheses to runs by prediction error, and judge them on runs they were not fitted to.
+
+The residual is that of ``drive_kernels.predict``: the model is driven by the logged command and says
+where the encoder will be one sample later. It needs no model of the controller, keeps the whole
+frequency content of the log and is white where the model is right (Ljung 1999, ch. 7).
+"""
+
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from os import cpu_count
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares, lsq_linear, minimize
+
+from ...models import drive_kernels
+from .hypothesis import Fit, Hypothesis
+from .machine import Array, Machine, RunData
+
+DIVERGED = 1e6  # residual, in encoder ranges, given to a prediction that is not finite
+STEP = 1e-4  # finite-difference step, in parameter scales
+SCREEN = 0.004  # a form whose linearised loss falls by less than this share is not pursued
+MOST_STEPS = 25  # of a least-squares search
+MOST_ROUGH_STEPS = 120  # predictions of all runs in a search without derivatives
+BLOCKS = 30  # blocks of a run whose losses are resampled together
+FOLDS = 4  # held-out pieces when there is one run only
+
+
+class Predictor:
+    """Predicts runs with hypotheses and counts what it costs."""
+
+    def __init__(self, machine: Machine, runs: Sequence[RunData]) -> None:
+        self.machine = machine
+        self.runs = list(runs)
+        self.simulations = 0
+        self._pool = ThreadPoolExecutor(max_workers=cpu_count() or 1)
+
+    def residuals(
+        self,
+        hypothesis: Hypothesis,
+        points: Iterable[Array],
+        keys: Sequence[tuple[str, str]],
+        runs: Sequence[RunData] | None = None,
+    ) -> list[list[Array]]:
+        """Residuals (samples, n) of every run at every point, in parallel."""
+        tasks = []
+        for point in points:
+            plant = hypothesis.plant(self.machine, dict(zip(keys, point)))
+            chosen = self.runs if runs is None else runs
+            tasks.append([self._pool.submit(self._predict, run, *plant) for run in chosen])
+        return [[task.result() for task in row] for row in tasks]
+
+    def _predict(self, run: RunData, plant: drive_kernels.Drive, substeps: int) -> Array:
+        residual = np.empty_like(run.position)
+        drive_kernels.predict(
+            run.position, run.command, plant, run.dt, substeps, self.machine.bandwidth, residual
+        )
+        self.simulations += 1
+        if not np.all(np.isfinite(residual)):
+            residual[:] = DIVERGED * np.ptp(run.position)
+        return residual[run.window]
+
+
+class _Problem:
+    """Residuals of a hypothesis as functions of its free parameters in units of their scales."""
+
+    def __init__(self, predictor: Predictor, hypothesis: Hypothesis) -> None:
+        free = hypothesis.free(predictor.machine)
+        self.predictor = predictor
+        self.hypothesis = hypothesis
+        self.keys = tuple((effect, p.name) for effect, p in free)
+        self.parameters = [p for _, p in free]
+        self.scale = np.array([p.scale for p in self.parameters])
+        self.lower = np.array([p.lower for p in self.parameters]) / self.scale
+        self.upper = np.array([p.upper for p in self.parameters]) / self.scale
+        self.step = max([STEP, *(form.step for form in hypothesis.forms)])
+
+    def runs(self, points: Sequence[Array], runs: Sequence[RunData] | None = None) -> list[Any]:
+        """Residuals of the runs at every point."""
+        scaled = [self.scale * x for x in points]
+        return self.predictor.residuals(self.hypothesis, scaled, self.keys, runs)
+
+    def flat(self, x: Array) -> Array:
+        """All residuals at ``x`` in one vector."""
+        return _flatten(self.runs([x])[0])
+
+    def jacobian(self, x: Array) -> Array:
+        """Derivatives of ``flat`` by differences that stay inside the bounds."""
+        steps = np.where(x + self.step > self.upper, -self.step, self.step)
+        points = [x, *(x + step * unit for step, unit in zip(steps, np.eye(x.size)))]
+        columns = [_flatten(r) for r in self.runs(points)]
+        return np.column_stack([(c - columns[0]) / s for c, s in zip(columns[1:], steps)])
+
+    def inside(self, x: Array) -> Array:
+        """``x`` drawn a little into the bounds, where trust-region searches start."""
+        margin = 1e-3 * np.minimum(self.upper - self.lower, 1.0)
+        return np.clip(x, self.lower + margin, self.upper - margin)
+
+
+def fit(predictor: Predictor, hypothesis: Hypothesis, warm: Fit | None = None) -> Fit:
+    """Best parameters of a hypothesis on the predictor's runs, with held-out losses.
+
+    ``warm`` is a fit whose values are starting points where the keys agree.
+    """
+    problem = _Problem(predictor, hypothesis)
+    x, jac = _search(problem, warm)
+    final = problem.runs([x])[0]
+    span = np.minimum(problem.upper - problem.lower, 1e9)
+    at_bound = (x - problem.lower < 1e-4 * span) | (problem.upper - x < 1e-4 * span)
+    losses, samples = block_losses(_held_out(problem, final, jac, x, at_bound))
+    residual = _flatten(final)
+    deviation, importance = _information(problem, jac, residual, x)
+    return Fit(
+        hypothesis=hypothesis,
+        keys=problem.keys,
+        units=tuple(p.unit for p in problem.parameters),
+        values=problem.scale * x,
+        deviation=problem.scale * deviation,
+        at_bound=at_bound,
+        losses=losses,
+        samples=samples,
+        rms=float(np.sqrt(np.mean(residual**2))),
+        held_out_rms=float(np.sqrt(losses.sum() / samples.sum())),
+        importance=importance,
+        converged=bool(np.mean(residual**2) < np.mean(_positions(predictor) ** 2)),
+    )
+
+
+def _search(problem: _Problem, parent: Fit | None) -> tuple[Array, Array]:
+    """Best point and its Jacobian; what cannot beat its parent even if linear is not pursued."""
+    best_x, best_jac, best_cost, pursued = np.zeros(0), np.zeros((0, 0)), np.inf, False
+    bounds = (problem.lower, problem.upper)
+    for start in _starts(problem, parent):
+        residual, jac = problem.flat(start), problem.jacobian(start)
+        step = _linear_step(jac, residual, start, bounds)
+        predicted = float(np.sum((residual + jac @ step) ** 2))
+        found = [(start, jac)]
+        if parent is not None and predicted > (1.0 - SCREEN) * parent.rms**2 * residual.size:
+            found.append((start + step, jac))
+        else:
+            pursued = True
+            unit = np.sqrt(np.mean(residual**2))
+            solution = least_squares(
+                lambda x, unit=unit: problem.flat(x) / unit,
+                problem.inside(start + 0.5 * step),
+                jac=lambda x, unit=unit: problem.jacobian(x) / unit,
+                bounds=bounds,
+                ftol=1e-6,
+                xtol=1e-6,
+                gtol=1e-10,
+                max_nfev=MOST_STEPS,
+            )
+            found.append((solution.x, solution.jac * unit))
+        for x, at_x in found:
+            cost = float(np.sum(problem.flat(x) ** 2))
+            if cost < best_cost:
+                best_x, best_jac, best_cost = x, at_x, cost
+    if pursued and problem.step > STEP:
+        best_x = _polished(problem, best_x)
+    return best_x, best_jac
+
+
+def _polished(problem: _Problem, x: Array) -> Array:
+    """Simplex search from ``x`` for residuals too rough for derivatives, such as impacts."""
+    solution = minimize(
+        lambda x: float(np.sum(problem.flat(np.clip(x, problem.lower, problem.upper)) ** 2)),
+        x,
+        method="Nelder-Mead",
+        options={"maxfev": MOST_ROUGH_STEPS, "initial_simplex": _simplex(problem, x)},
+    )
+    return np.asarray(np.clip(solution.x, problem.lower, problem.upper))
+
+
+def _simplex(problem: _Problem, x: Array) -> Array:
+    own = np.array([effect == "" for effect, _ in problem.keys])
+    size = np.where(own, 2e-3, 0.15 * np.maximum(np.abs(x), 0.2))
+    return np.vstack([x, x + np.diag(np.where(x + size > problem.upper, -size, size))])
+
+
+def _linear_step(jac: Array, residual: Array, x: Array, bounds: tuple[Array, Array]) -> Array:
+    """Minimiser of the linearised residual inside the bounds, as a step from ``x``."""
+    q, r = np.linalg.qr(jac)
+    solution = lsq_linear(r, -(q.T @ residual), bounds=(bounds[0] - x, bounds[1] - x))
+    return np.clip(x + solution.x, *bounds) - x
+
+
+def _positions(predictor: Predictor) -> Array:
+    return np.concatenate([(r.position - r.position.mean(axis=0)).ravel() for r in predictor.runs])
+
+
+def block_losses(residuals: Sequence[Array]) -> tuple[Array, Array]:
+    """Squared residuals summed over blocks of every run, and the number of values in each block."""
+    pieces = [piece for r in residuals for piece in np.array_split(r, min(BLOCKS, len(r)), axis=0)]
+    return np.array([np.sum(p**2) for p in pieces]), np.array([float(p.size) for p in pieces])
+
+
+def _flatten(residuals: Sequence[Array]) -> Array:
+    return np.concatenate([r.ravel() for r in residuals])
+
+
+def _starts(problem: _Problem, warm: Fit | None) -> list[Array]:
+    """Up to two starting points: the best by cost of the first values with one alternative each."""
+    if not problem.parameters:
+        return []
+    known = warm.by_key() if warm else {}
+    pairs = list(zip(problem.keys, problem.parameters))
+    base = np.array([known.get(key, p.starts[0]) for key, p in pairs]) / problem.scale
+    candidates = [base]
+    for i, (key, p) in enumerate(pairs):
+        for value in () if key in known else p.starts[1:]:
+            other = base.copy()
+            other[i] = value / p.scale
+            candidates.append(other)
+    candidates = [problem.inside(c) for c in candidates]
+    if len(candidates) == 1:
+        return candidates
+    costs = np.array([np.sum(_flatten(r) ** 2) for r in problem.runs(candidates)])
+    order = np.argsort(costs)
+    return [candidates[i] for i in (order[:2] if costs[order[0]] < costs[0] else order[:1])]
+
+
+def _held_out(
+    problem: _Problem, final: Sequence[Array], jac: Array, x: Array, at_bound: Array
+) -> list[Array]:
+    """Residuals of every piece at parameters that did not see it.
+
+    The parameters without a piece are one Gauss-Newton step from the full solution, the piece is then
+    predicted in full. A piece is a run, or a stretch of time where there is one run only.
+    """
+    if x.size == 0:
+        return list(final)
+    n = final[0].shape[1]
+    starts = np.concatenate([[0], np.cumsum([r.size for r in final])])
+    if len(final) > 1:
+        pieces = [(i, slice(0, len(r))) for i, r in enumerate(final)]
+    else:
+        edges = np.linspace(0, len(final[0]), FOLDS + 1).astype(int)
+        pieces = [(0, slice(int(a), int(b))) for a, b in pairwise(edges)]
+    residual = _flatten(final)
+    active = ~np.asarray(at_bound)
+    ridge = 1e-9 * np.eye(int(active.sum())) * max(float(np.sum(jac**2)), 1e-300)
+    hessian, gradient = jac[:, active].T @ jac[:, active], jac[:, active].T @ residual
+    held_out = [np.array(r) for r in final]
+    for run, piece in pieces:
+        rows = slice(starts[run] + n * piece.start, starts[run] + n * piece.stop)
+        J = jac[rows][:, active]
+        step = np.zeros(x.size)
+        step[active] = -np.linalg.solve(hessian - J.T @ J + ridge, gradient - J.T @ residual[rows])
+        point = np.clip(x + step, problem.lower, problem.upper)
+        held_out[run][piece] = problem.runs([point], [problem.predictor.runs[run]])[0][0][piece]
+    return held_out
+
+
+def _information(problem: _Problem, jac: Array, residual: Array, x: Array) -> tuple[Array, Array]:
+    """Standard deviations and importances from the Gauss-Newton Hessian.
+
+    Samples count as far as the residual is uncorrelated; a bounded parameter has a uniform prior.
+    """
+    if x.size == 0:
+        return np.zeros(0), np.zeros(0)
+    loss = max(float(residual @ residual), 1e-300)
+    effective = max(effective_samples(residual), x.size + 1.0)
+    variance = loss / effective  # of one independent sample's worth of residual
+    prior = 12.0 / np.square(problem.upper - problem.lower)
+    hessian = jac.T @ jac
+    spread = np.diag(np.linalg.pinv(hessian / variance + np.diag(prior), hermitian=True))
+    conditional = np.diag(np.linalg.pinv(hessian, rcond=1e-12, hermitian=True))
+    seen = conditional > 0.0
+    importance = np.where(seen, x**2 / np.where(seen, conditional, 1.0) / loss, 0.0)
+    return np.sqrt(np.maximum(spread, 0.0)), importance
+
+
+def effective_samples(residual: Array) -> float:
+    """Number of independent samples worth of a correlated residual (initial positive sequence)."""
+    centred = residual - residual.mean()
+    size = centred.size
+    spectrum = np.abs(np.fft.rfft(centred, 2 * size)) ** 2
+    correlation = np.fft.irfft(spectrum)[: size // 2]
+    if correlation[0] <= 0.0:
+        return float(size)
+    correlation = correlation / correlation[0]
+    negative = np.flatnonzero(correlation < 0.05)
+    stop = int(negative[0]) if negative.size else correlation.size
+    return float(size / (1.0 + 2.0 * np.sum(correlation[1:stop])))

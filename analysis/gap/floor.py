@@ -1,0 +1,69 @@
+"""Noise floor: what repeats of the same motion do not repeat.
+
+No model can explain it, so no gap is claimed below it. Where a run repeats its motion, the floor is
+the rms difference between its cycles over sqrt(2), after the first cycle, which starts from rest. It
+is never below what the encoder's quantisation, lsb / sqrt(12) and white, does to the prediction; that
+alone is the floor of runs without repeated cycles, although a machine's own noise exceeds it.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.signal import lfilter
+
+from .machine import Array, RunData
+
+
+def repeatability(residual: Array, period: int) -> Array | None:
+    """What does not repeat in a residual (samples, n) with cycles of ``period`` samples; or None.
+
+    Returned as differences over sqrt(2) whose rms is the floor, two cycles at least are needed.
+    """
+    cycles = len(residual) // period
+    if cycles < 2:
+        return None
+    stack = residual[: cycles * period].reshape(cycles, period, -1)
+    if cycles > 2:
+        stack = stack[1:]
+    return np.asarray(np.diff(stack, axis=0).reshape(-1, residual.shape[1]) / np.sqrt(2.0))
+
+
+def quantisation_floor(lsb: float, bandwidth: float, dt: float) -> float:
+    """Rms prediction error that white quantisation noise alone causes.
+
+    Measurement noise reaches the error of the alpha-beta observer through ((z - 1) / (z - p))^2.
+    """
+    pole = np.exp(-bandwidth * dt)
+    impulse = np.zeros(int(50.0 / (bandwidth * dt)) + 10)
+    impulse[0] = 1.0
+    response = lfilter([1.0, -2.0, 1.0], [1.0, -2.0 * pole, pole * pole], impulse)
+    return float(lsb / np.sqrt(12.0) * np.linalg.norm(response))
+
+
+def noise_floor(
+    runs: Sequence[RunData], residuals: Sequence[Array], bandwidth: float
+) -> tuple[list[Array], str]:
+    """Floor samples (k, n) of every run and how they were found.
+
+    ``residuals`` are prediction errors of the runs, of whatever model: what it lacks repeats.
+    """
+    floors, found = [], set()
+    for run, residual in zip(runs, residuals):
+        encoder = quantisation_floor(run.lsb, bandwidth, run.dt)
+        repeated = repeatability(residual, run.period) if run.period else None
+        if repeated is None:
+            found.add("encoder resolution; the runs hold no repeated cycles")
+            floors.append(encoder * _uncorrelated_signs(residual))
+        elif np.sqrt(np.mean(repeated**2)) < encoder:
+            found.add("encoder resolution, which exceeds the cycle-to-cycle repeatability")
+            floors.append(encoder * _uncorrelated_signs(residual))
+        else:
+            found.add("cycle-to-cycle repeatability")
+            floors.append(repeated)
+    return floors, " and ".join(sorted(found))
+
+
+def _uncorrelated_signs(residual: Array) -> Array:
+    """Columns of +-1 (samples, n) that are uncorrelated with each other: noise of known size."""
+    k = np.arange(len(residual))[:, None] >> np.arange(residual.shape[1])
+    return 1.0 - 2.0 * (k % 2)

@@ -1,0 +1,116 @@
+"""Hypotheses: the nominal structure with the forms of some effects added."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ...models.drive import Drive
+from .effects import Form
+from .machine import Array, Machine, Parameter
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hypothesis:
+    """Forms that act together; ``dropped`` are (form, parameter) names held at zero."""
+
+    forms: tuple[Form, ...] = ()
+    dropped: frozenset[tuple[str, str]] = field(default_factory=frozenset)
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Effect ids in the order in which they were added."""
+        return tuple(form.effect for form in self.forms)
+
+    @property
+    def label(self) -> str:
+        """Words for a table."""
+        if not self.forms:
+            return "retuned nominal"
+        return " + ".join(f"{form.effect} ({form.name})" for form in self.forms)
+
+    def with_form(self, form: Form) -> "Hypothesis":
+        """This hypothesis and one more form."""
+        return Hypothesis(forms=(*self.forms, form), dropped=self.dropped)
+
+    def without(self, effect: str) -> "Hypothesis":
+        """This hypothesis less one effect."""
+        return Hypothesis(
+            forms=tuple(form for form in self.forms if form.effect != effect), dropped=self.dropped
+        )
+
+    def drop(self, key: tuple[str, str]) -> "Hypothesis":
+        """This hypothesis with one removable parameter held at zero."""
+        return Hypothesis(forms=self.forms, dropped=self.dropped | {key})
+
+    def free(self, machine: Machine) -> list[tuple[str, Parameter]]:
+        """Free parameters as (effect id or "", parameter); own parameters first."""
+        replaced = {name for form in self.forms for name in form.replaces}
+        own = [("", p) for p in machine.own if p.name not in replaced and p.upper > p.lower]
+        return own + [(form.effect, p) for form in self.forms for p in self.kept(form)]
+
+    def kept(self, form: Form) -> list[Parameter]:
+        """Parameters of a form that are not dropped."""
+        return [p for p in form.parameters if (form.effect, p.name) not in self.dropped]
+
+    @property
+    def size(self) -> int:
+        """Number of parameters beyond the nominal structure."""
+        return sum(len(self.kept(form)) for form in self.forms)
+
+    def plant(self, machine: Machine, values: Mapping[tuple[str, str], float]) -> tuple[Drive, int]:
+        """Drive and steps per sample at the values, by (effect id or "", parameter name)."""
+        own = machine.nominal()
+        own.update({name: value for (effect, name), value in values.items() if effect == ""})
+        plant = machine.build(own)
+        # Forms that split the machine in two act last, on everything the others have changed.
+        for form in sorted(self.forms, key=lambda f: f.effect.startswith("transmission.")):
+            form.apply(
+                plant,
+                {
+                    p.name: values.get((form.effect, p.name), 0.0)
+                    for p in form.parameters
+                    if (form.effect, p.name) not in self.dropped
+                },
+            )
+        return plant.finished()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """A hypothesis at its best parameters on the fit runs."""
+
+    hypothesis: Hypothesis
+    keys: tuple[tuple[str, str], ...]  # (effect id or "", parameter name)
+    units: tuple[str, ...]
+    values: Array  # in the parameters' units
+    deviation: Array  # standard deviation of each value
+    at_bound: Any  # (p,) bool
+    losses: Array  # held-out squared residual per block, sums to the held-out loss
+    samples: Array  # residuals per block
+    rms: float  # residual on the fit runs [position unit]
+    held_out_rms: float  # residual on held-out fit runs [position unit]
+    importance: Array  # (p,) relative rise of the fit loss without the parameter, linearised
+    converged: bool
+
+    def by_key(self) -> dict[tuple[str, str], float]:
+        """Values by key."""
+        return dict(zip(self.keys, (float(v) for v in self.values)))
+
+    @property
+    def score(self) -> float:
+        """Log of the held-out rms plus a price per parameter; smaller is better."""
+        return float(0.5 * np.log(self.losses.sum() / self.samples.sum())) + price(self.hypothesis)
+
+
+PARAMETER_PRICE = 0.005  # a parameter must lower the held-out residual by this share
+EFFECT_PRICE = 0.01  # an effect, on top of its parameters
+REFINED_PRICE = 0.03  # a richer form, so that two plain effects win where both would do
+
+
+def price(hypothesis: Hypothesis) -> float:
+    """What parsimony asks of a hypothesis, as a fall of the log residual, before it may win."""
+    refined = sum(form.refined for form in hypothesis.forms)
+    effects = len(hypothesis.forms)
+    return PARAMETER_PRICE * hypothesis.size + EFFECT_PRICE * effects + REFINED_PRICE * refined

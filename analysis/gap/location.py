@@ -1,0 +1,122 @@
+"""Where the gap lies: shares of its energy by signal, joint, task coordinate, regime and frequency.
+
+The gap is the unexplained effort of the retuned nominal model: the prediction error turned into the
+torque or force that would cause it. Shares of one list sum to 1.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ...models.drive_kernels import correction_gains
+from .machine import Array, Machine, RunData
+
+BANDS_HZ = (0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, np.inf)
+AFTER_REVERSAL = 0.02  # s
+RESAMPLES = 400
+BLOCKS = 20  # per run
+
+
+def unexplained_effort(residual: Array, machine: Machine, dt: float) -> Array:
+    """Effort (samples, n) that would cause a prediction error (samples, n).
+
+    In steady state a constant effort d moves the prediction by M^-1 d dt / beta, with beta the speed
+    gain of the prediction's correction.
+    """
+    _, beta = correction_gains(machine.bandwidth, dt)
+    inertia = machine.build(machine.nominal()).inertia
+    return np.asarray(residual @ inertia.T * (beta / dt))
+
+
+def locate(
+    runs: Sequence[RunData], residuals: Sequence[Array], machine: Machine, seed: int
+) -> dict[str, list[dict[str, Any]]]:
+    """Shares of the gap as in FORMAT.md, each list summing to 1."""
+    efforts = [unexplained_effort(r, machine, run.dt) for run, r in zip(runs, residuals)]
+    rng = np.random.default_rng(seed)
+    joints = _shares(machine.shafts, [e**2 for e in efforts], rng)
+    # Task coordinates weigh like the joints they are made of: their rows are normalised.
+    rows = machine.task_map / np.linalg.norm(machine.task_map, axis=1, keepdims=True)
+    task = _shares(machine.task, [(e @ rows.T) ** 2 for e in efforts], rng)
+    signals = _shares([f"{s} position" for s in machine.shafts], [r**2 for r in residuals], rng)
+    return {
+        "signals": signals,
+        "joints": joints,
+        "task": task,
+        "regimes": _regimes(runs, efforts, machine, rng),
+        "bands": _bands(runs, efforts),
+        "runs": _of_runs(runs, efforts),
+    }
+
+
+def _regimes(
+    runs: Sequence[RunData], efforts: Sequence[Array], machine: Machine, rng: Any
+) -> list[dict[str, Any]]:
+    """Exclusive regimes of each joint's motion, by the reference."""
+    names = ("at rest", "after reversal", "slow", "fast", "accelerating", "braking")
+    peak = max(float(np.max(np.abs(run.reference_rate))) for run in runs) or 1.0
+    energies = []
+    for run, effort in zip(runs, efforts):
+        rate = run.reference_rate[run.window]
+        acceleration = run.reference_acceleration[run.window]
+        rest = np.abs(rate) < 1e-3 * peak
+        turned = _since_reversal(rate, run.dt) < AFTER_REVERSAL
+        power = rate * acceleration
+        strong = np.abs(acceleration) > 0.5 * np.max(np.abs(acceleration), axis=0, initial=1e-12)
+        masks = [rest, turned & ~rest]
+        moving = ~rest & ~turned
+        masks += [moving & ~strong & (np.abs(rate) < 0.3 * peak)]
+        masks += [moving & ~strong & (np.abs(rate) >= 0.3 * peak)]
+        masks += [moving & strong & (power >= 0.0), moving & strong & (power < 0.0)]
+        energies.append(np.column_stack([np.sum(mask * effort**2, axis=1) for mask in masks]))
+    return _shares(names, energies, rng)
+
+
+def _since_reversal(rate: Array, dt: float) -> Array:
+    """Time since each column last changed sign [s]; large before the first change."""
+    since = np.full_like(rate, np.inf)
+    for j in range(rate.shape[1]):
+        sign = np.sign(rate[:, j])
+        changes = np.flatnonzero(np.diff(sign) != 0) + 1
+        if changes.size:
+            index = np.searchsorted(changes, np.arange(len(rate)), side="right") - 1
+            known = index >= 0
+            since[known, j] = dt * (np.arange(len(rate))[known] - changes[index[known]])
+    return since
+
+
+def _bands(runs: Sequence[RunData], efforts: Sequence[Array]) -> list[dict[str, Any]]:
+    energy = np.zeros(len(BANDS_HZ) - 1)
+    for run, effort in zip(runs, efforts):
+        spectrum = np.sum(np.abs(np.fft.rfft(effort, axis=0)) ** 2, axis=1)
+        spectrum[1:] *= 2.0
+        frequency = np.fft.rfftfreq(len(effort), run.dt)
+        energy += np.histogram(frequency, BANDS_HZ, weights=spectrum / len(effort))[0]
+    total = energy.sum() or 1.0
+    return [
+        {"name": f"{low:g}-{high:g} Hz" if np.isfinite(high) else f"above {low:g} Hz",
+         "low_Hz": low, "high_Hz": high if np.isfinite(high) else None, "share": e / total}
+        for low, high, e in zip(BANDS_HZ[:-1], BANDS_HZ[1:], energy)
+    ]  # fmt: skip
+
+
+def _of_runs(runs: Sequence[RunData], efforts: Sequence[Array]) -> list[dict[str, Any]]:
+    energy = np.array([np.sum(e**2) for e in efforts])
+    return [
+        {"name": run.name, "share": float(e / (energy.sum() or 1.0))}
+        for run, e in zip(runs, energy)
+    ]
+
+
+def _shares(names: Sequence[str], energies: Sequence[Array], rng: Any) -> list[dict[str, Any]]:
+    """Shares of columns of energies (samples, names), with block-bootstrap intervals."""
+    blocks = np.array([b.sum(axis=0) for e in energies for b in np.array_split(e, BLOCKS, axis=0)])
+    totals = blocks.sum(axis=0)
+    draws = blocks[rng.integers(0, len(blocks), (RESAMPLES, len(blocks)))].sum(axis=1)
+    drawn = draws / np.maximum(draws.sum(axis=1, keepdims=True), 1e-300)
+    low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
+    return [
+        {"name": name, "share": float(s), "ci95": [float(a), float(b)]}
+        for name, s, a, b in zip(names, totals / (totals.sum() or 1.0), low, high)
+    ]

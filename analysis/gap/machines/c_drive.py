@@ -1,0 +1,206 @@
+"""Nominal model of C-drive log sets (``system.kind: c_drive``)."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ....models import c_drive
+from ....models.c_drive import CDriveParameters
+from ....models.c_drive_controllers import PD, ComputedTorque, TaskSpacePD, loop_controller
+from ....models.drive import VISCOUS
+from ....models.drive_kernels import LoopController
+from ....models.motion import C_DRIVE_MOTIONS, c_drive_motion
+from ...errors import InputError
+from ..logset import FILE, LogSet, Run
+from ..machine import Machine, PayloadAxis, Plant, RunData, encoder_step, own_parameter
+from .reference import derivatives
+from .settings import Settings, nominal_settings, require_units, tolerance
+
+REFERENCE_ROUNDING = 1e-5  # [rad], how far a printed reference may be from its motion program
+ROTOR_INERTIA = 6.0e-4  # I_h [kg m^2]: (5.2) with the printed collar mass of 3.279 kg in (2.6a)
+
+
+def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
+    """Machine and runs of a C-drive log set."""
+    require_units(
+        logset,
+        {
+            "psi_L_ref": "rad", "psi_R_ref": "rad", "psi_L": "rad", "psi_R": "rad",
+            "tau_L": "Nm", "tau_R": "Nm",
+        },
+    )  # fmt: skip
+    parameters = _parameters(logset)
+    controllers = {
+        name: _controller(
+            f"{logset.folder / FILE}, controllers.{name}", settings, parameters, logset
+        )
+        for name, settings in logset.controllers.items()
+    }
+    machine = c_drive_machine(parameters, tolerance(logset))
+    runs = [_run_data(run, logset.dt, controllers[run.controller], logset) for run in logset.runs]
+    return machine, runs
+
+
+def c_drive_machine(parameters: CDriveParameters, relative: float) -> Machine:
+    """The C-drive for the instrument; its own parameters are the modal inertias and D."""
+    M = c_drive.inertia_matrix(parameters)
+    J = c_drive.jacobian(parameters.lead)
+    sliding = J[:1].T @ J[:1]  # inertia of one kilogram of collar, eq. (2.6a)
+    turning = J[1:].T @ J[1:] * (2.0 * np.pi / parameters.lead) ** 2
+    own = {
+        "inertia_translation": ("kg m^2", M[0, 0] - M[0, 1]),
+        "inertia_rotation": ("kg m^2", M[0, 0] + M[0, 1]),
+        "beta": ("N m s/rad", parameters.beta),
+        "gamma": ("N m s/rad", parameters.gamma),
+    }
+
+    def build(values: Mapping[str, float]) -> Plant:
+        slide, turn = values["inertia_translation"], values["inertia_rotation"]
+        inertia = 0.5 * np.array([[turn + slide, turn - slide], [turn - slide, turn + slide]])
+        plant = Plant(inertia=inertia, drive=c_drive.drive(parameters).copy())
+        half_gamma = 0.5 * values["gamma"]
+        plant.drive.element[:, VISCOUS] = [values["beta"], values["beta"], half_gamma]
+        return plant
+
+    return Machine(
+        kind="c_drive",
+        shafts=c_drive.SHAFTS,
+        elements=c_drive.ELEMENTS,
+        task=("translation", "rotation"),
+        task_map=J * np.array([[1.0], [2.0 * np.pi / parameters.lead]]),
+        position_unit="rad",
+        effort_unit="N m",
+        own=tuple(own_parameter(name, unit, v, relative) for name, (unit, v) in own.items()),
+        payload=(
+            PayloadAxis(
+                name="collar_mass", unit="kg", inertia=sliding, own="inertia_translation", scale=1.0
+            ),
+            PayloadAxis(
+                name="collar_inertia", unit="kg m^2", inertia=turning, own="inertia_rotation",
+                scale=2e-3,
+            ),
+        ),
+        viscous_own=("beta", "gamma"),
+        motor_share=ROTOR_INERTIA / (M[0, 0] - M[0, 1]),
+        bandwidth=100.0,
+        build=build,
+    )  # fmt: skip
+
+
+def _parameters(logset: LogSet) -> CDriveParameters:
+    default = CDriveParameters()
+    nominal = nominal_settings(
+        logset,
+        {"lead_m_per_rev", "m11_kg_m2", "m12_kg_m2", "beta_N_m_s", "gamma_N_m_s", "delta_N_m",
+         "eta_N_m"},
+    )  # fmt: skip
+    try:
+        return CDriveParameters(
+            lead=nominal.number("lead_m_per_rev", default.lead),
+            m11=nominal.number("m11_kg_m2", default.m11),
+            m12=nominal.number("m12_kg_m2", default.m12),
+            beta=nominal.number("beta_N_m_s", default.beta),
+            gamma=nominal.number("gamma_N_m_s", default.gamma),
+            delta=nominal.number("delta_N_m", default.delta),
+            eta=nominal.number("eta_N_m", default.eta),
+        )
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            f"{logset.folder / FILE}, system.nominal", str(error), "parameters of a real drive"
+        ) from None
+
+
+FILTER = "derivative_filter_rad_per_s"
+KEYS: dict[str, set[str]] = {
+    "pd": {"kp_Nm_per_rad", "kd_Nms_per_rad", "ki_Nm_per_rad_s"},
+    "task_space_pd": {
+        "kp_trans_Nm_per_rad", "kp_rot_Nm_per_rad", "kd_trans_Nms_per_rad", "kd_rot_Nms_per_rad",
+    },
+    "computed_torque": {
+        "kp_per_s2", "kd_per_s", "kp_rot_per_s2", "kd_rot_per_s", "observer_pole_rad_per_s",
+        "friction_compensation",
+    },
+}  # fmt: skip
+
+
+def _controller(
+    where: str, values: Mapping[str, Any], model: CDriveParameters, logset: LogSet
+) -> LoopController:
+    kind = values.get("kind")
+    if kind not in KEYS:
+        raise InputError(f"{where}.kind", f"{kind!r}", f"one of {', '.join(sorted(KEYS))}")
+    s = Settings(where, values, KEYS[kind] | {"kind", FILTER})
+    cutoff = s.number(FILTER, positive=True)
+    settings: PD | TaskSpacePD | ComputedTorque
+    if kind == "pd":
+        settings = PD(
+            kp=s.number("kp_Nm_per_rad"),
+            kd=s.number("kd_Nms_per_rad"),
+            ki=s.number("ki_Nm_per_rad_s", 0.0),
+            cutoff=cutoff,
+        )
+    elif kind == "task_space_pd":
+        settings = TaskSpacePD(
+            kp_translation=s.number("kp_trans_Nm_per_rad"),
+            kp_rotation=s.number("kp_rot_Nm_per_rad"),
+            kd_translation=s.number("kd_trans_Nms_per_rad"),
+            kd_rotation=s.number("kd_rot_Nms_per_rad"),
+            cutoff=cutoff,
+        )
+    else:
+        pole = s.number("observer_pole_rad_per_s")
+        kp, kd = s.number("kp_per_s2"), s.number("kd_per_s")
+        settings = ComputedTorque(
+            kp=kp,
+            kd=kd,
+            kp_rotation=s.number("kp_rot_per_s2", kp),
+            kd_rotation=s.number("kd_rot_per_s", kd),
+            cutoff=cutoff,
+            poles=(pole, pole),
+            friction_compensation=s.number("friction_compensation"),
+        )
+    try:
+        return loop_controller(settings, model, logset.dt)
+    except ValueError as error:
+        raise InputError(where, str(error), "a controller that can be built") from None
+
+
+def _run_data(run: Run, dt: float, controller: LoopController, logset: LogSet) -> RunData:
+    where = f"{logset.folder / FILE}, run {run.name}"
+    known = {"motion", "rate_Hz", "start_s", "note"}
+    settings = Settings(where, run.settings, known)
+    t = run.columns["t"]
+    reference = run.stack("psi_L_ref", "psi_R_ref")
+    period = None
+    rate, acceleration = derivatives(reference, dt)
+    if "motion" in run.settings:
+        motion = str(run.settings["motion"])
+        if motion not in C_DRIVE_MOTIONS:
+            raise InputError(
+                f"{where}, motion", f"{motion!r}", f"one of {', '.join(sorted(C_DRIVE_MOTIONS))}"
+            )
+        rate_hz = settings.number("rate_Hz", positive=True)
+        period = round(1.0 / (rate_hz * dt))
+        exact, exact_rate, exact_acceleration = c_drive_motion(motion, rate_hz).sample(t - t[0])
+        # A log may use another program under the same name; then the logged reference is what counts.
+        if np.max(np.abs(exact - reference)) < REFERENCE_ROUNDING:
+            rate, acceleration = exact_rate, exact_acceleration
+    position = run.stack("psi_L", "psi_R")
+    return RunData(
+        name=run.name,
+        use=run.use,
+        settings=run.settings,
+        dt=dt,
+        t=t,
+        reference=reference,
+        reference_rate=rate,
+        reference_acceleration=np.ascontiguousarray(acceleration),
+        position=position,
+        command=run.stack("tau_L", "tau_R"),
+        controller=controller,
+        period=period,
+        lsb=encoder_step(position),
+    )

@@ -1,0 +1,94 @@
+"""The verdict: what may be claimed from a ranking, and when to say nothing."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .attribution import LEAST_GAIN, Ranked
+
+GAP_RATIO = 1.25  # a retuned residual below this multiple of the floor is no gap
+LEAST_REMOVED = 0.75  # an explanation removes this share of what lies between retuned and floor
+RIVAL_PROBABILITY = 0.05  # a rival this likely makes the choice ambiguous
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """A verdict with its reason in words and the hypotheses it rests on."""
+
+    verdict: str  # explained, no_gap, unexplained or ambiguous
+    reason: str
+    accepted: Ranked | None
+    rivals: tuple[Ranked, ...]
+    removed: float | None  # share of the gap between retuned and floor that the best one removes
+
+
+def decide(ranking: Sequence[Ranked], retuned: Ranked, floor: float) -> Verdict:
+    """Verdict over a ranking, best first; ``floor`` in the unit of the held-out residuals."""
+    ratio = retuned.fit.held_out_rms / floor
+    best = _smallest_likely(ranking)
+    gap = retuned.fit.held_out_rms - floor
+    removed = (retuned.fit.held_out_rms - best.fit.held_out_rms) / gap if gap > 0.0 else None
+    if not best.fit.hypothesis.forms or best.gain_interval[0] < LEAST_GAIN or ratio < 1.0:
+        if ratio < GAP_RATIO:
+            return Verdict(
+                verdict="no_gap",
+                reason=f"The nominal model, retuned inside its tolerance, predicts to {ratio:.2f} x "
+                "the noise floor, and no effect improves on it.",
+                accepted=None,
+                rivals=(),
+                removed=None,
+            )
+        return Verdict(
+            verdict="unexplained",
+            reason=f"The retuned model is {ratio:.1f} x the noise floor away, but no known effect "
+            "removes a significant part of that.",
+            accepted=None,
+            rivals=(),
+            removed=removed,
+        )
+    label = best.fit.hypothesis.label
+    if removed is None or removed < LEAST_REMOVED:
+        return Verdict(
+            verdict="unexplained",
+            reason=f"The best hypothesis, {label}, removes only {100 * (removed or 0):.0f} % of the "
+            f"gap between the retuned model ({ratio:.1f} x the floor) and the floor; "
+            f"{100 * LEAST_REMOVED:.0f} % are asked.",
+            accepted=None,
+            rivals=tuple(ranking[:2]),
+            removed=removed,
+        )
+    rivals = tuple(r for r in ranking if r is not best and _is_rival(r, best))
+    if rivals:
+        names = " and ".join(r.fit.hypothesis.label for r in (best, *rivals))
+        return Verdict(
+            verdict="ambiguous",
+            reason=f"These data do not separate {names}.",
+            accepted=best,
+            rivals=rivals,
+            removed=removed,
+        )
+    return Verdict(
+        verdict="explained",
+        reason=f"{label} removes {100 * removed:.0f} % of the gap between the retuned model "
+        f"({ratio:.1f} x the floor) and the floor on held-out runs.",
+        accepted=best,
+        rivals=(),
+        removed=removed,
+    )
+
+
+def _smallest_likely(ranking: Sequence[Ranked]) -> Ranked:
+    """The best hypothesis, or a smaller one inside it that is likely as well: parsimony."""
+    best = ranking[0]
+    ids = set(best.fit.hypothesis.ids)
+    smaller = [
+        r
+        for r in ranking[1:]
+        if set(r.fit.hypothesis.ids) < ids and r.probability > RIVAL_PROBABILITY
+    ]
+    return min(smaller, key=lambda r: len(r.fit.hypothesis.ids)) if smaller else best
+
+
+def _is_rival(other: Ranked, best: Ranked) -> bool:
+    """Likely, and neither a part nor an extension of the best."""
+    mine, its = set(best.fit.hypothesis.ids), set(other.fit.hypothesis.ids)
+    return other.probability > RIVAL_PROBABILITY and not (mine <= its or its <= mine)
