@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .effects import Form
 from .fitting import Predictor, fit
@@ -163,7 +164,7 @@ def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
     return sorted(ranked, key=lambda r: r.fit.score)
 
 
-def _log_rms(losses: Array, samples: Array, draws: Array) -> Array:
+def _log_rms(losses: Array, samples: Array, draws: NDArray[np.int64]) -> Array:
     """Log rms (hypotheses, draws) of resampled blocks."""
     count = samples[draws].sum(axis=1)
     return np.array([0.5 * np.log(row[draws].sum(axis=1) / count) for row in losses])

@@ -86,7 +86,7 @@ class Diagnosis:
 
     def _effects(self, accepted: Ranked) -> list[dict[str, Any]]:
         candidates = [accepted] if not self.verdict.rivals else [accepted, *self.verdict.rivals]
-        effects = {}
+        effects: dict[str, dict[str, Any]] = {}
         for ranked in candidates:
             for form in ranked.fit.hypothesis.forms:
                 kept = [p.name for p in ranked.fit.hypothesis.kept(form)]

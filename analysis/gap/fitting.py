@@ -140,18 +140,7 @@ def _search(problem: _Problem, parent: Fit | None) -> tuple[Array, Array]:
             found.append((start + step, jac))
         else:
             pursued = True
-            unit = np.sqrt(np.mean(residual**2))
-            solution = least_squares(
-                lambda x, unit=unit: problem.flat(x) / unit,
-                problem.inside(start + 0.5 * step),
-                jac=lambda x, unit=unit: problem.jacobian(x) / unit,
-                bounds=bounds,
-                ftol=1e-6,
-                xtol=1e-6,
-                gtol=1e-10,
-                max_nfev=MOST_STEPS,
-            )
-            found.append((solution.x, solution.jac * unit))
+            found.append(_least_squares(problem, start + 0.5 * step, residual))
         for x, at_x in found:
             cost = float(np.sum(problem.flat(x) ** 2))
             if cost < best_cost:
@@ -161,14 +150,34 @@ def _search(problem: _Problem, parent: Fit | None) -> tuple[Array, Array]:
     return best_x, best_jac
 
 
+def _least_squares(problem: _Problem, start: Array, residual: Array) -> tuple[Array, Array]:
+    """Point and Jacobian that a bounded trust-region search ends at; residuals are normalised."""
+    unit = float(np.sqrt(np.mean(residual**2)))
+    solution = least_squares(
+        lambda x: problem.flat(x) / unit,
+        problem.inside(start),
+        jac=lambda x: problem.jacobian(x) / unit,
+        bounds=(problem.lower, problem.upper),
+        ftol=1e-6,
+        xtol=1e-6,
+        gtol=1e-10,
+        max_nfev=MOST_STEPS,
+    )
+    return solution.x, solution.jac * unit
+
+
 def _polished(problem: _Problem, x: Array) -> Array:
     """Simplex search from ``x`` for residuals too rough for derivatives, such as impacts."""
+
+    def loss(point: Array) -> float:
+        return float(np.sum(problem.flat(np.clip(point, problem.lower, problem.upper)) ** 2))
+
     solution = minimize(
-        lambda x: float(np.sum(problem.flat(np.clip(x, problem.lower, problem.upper)) ** 2)),
+        loss,
         x,
         method="Nelder-Mead",
         options={"maxfev": MOST_ROUGH_STEPS, "initial_simplex": _simplex(problem, x)},
-    )
+    )  # type: ignore[call-overload]
     return np.asarray(np.clip(solution.x, problem.lower, problem.upper))
 
 
@@ -238,7 +247,7 @@ def _held_out(
         edges = np.linspace(0, len(final[0]), FOLDS + 1).astype(int)
         pieces = [(0, slice(int(a), int(b))) for a, b in pairwise(edges)]
     residual = _flatten(final)
-    active = ~np.asarray(at_bound)
+    active = np.logical_not(at_bound)
     ridge = 1e-9 * np.eye(int(active.sum())) * max(float(np.sum(jac**2)), 1e-300)
     hessian, gradient = jac[:, active].T @ jac[:, active], jac[:, active].T @ residual
     held_out = [np.array(r) for r in final]

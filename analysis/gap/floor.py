@@ -66,4 +66,4 @@ def noise_floor(
 def _uncorrelated_signs(residual: Array) -> Array:
     """Columns of +-1 (samples, n) that are uncorrelated with each other: noise of known size."""
     k = np.arange(len(residual))[:, None] >> np.arange(residual.shape[1])
-    return 1.0 - 2.0 * (k % 2)
+    return np.asarray(1.0 - 2.0 * (k % 2), dtype=np.float64)

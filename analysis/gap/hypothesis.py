@@ -106,11 +106,9 @@ class Fit:
 
 PARAMETER_PRICE = 0.005  # a parameter must lower the held-out residual by this share
 EFFECT_PRICE = 0.01  # an effect, on top of its parameters
-REFINED_PRICE = 0.03  # a richer form, so that two plain effects win where both would do
 
 
 def price(hypothesis: Hypothesis) -> float:
     """What parsimony asks of a hypothesis, as a fall of the log residual, before it may win."""
-    refined = sum(form.refined for form in hypothesis.forms)
-    effects = len(hypothesis.forms)
-    return PARAMETER_PRICE * hypothesis.size + EFFECT_PRICE * effects + REFINED_PRICE * refined
+    effects = sum(EFFECT_PRICE + form.price for form in hypothesis.forms)
+    return PARAMETER_PRICE * hypothesis.size + effects

@@ -1,20 +1,20 @@
 """A wrong gain from command to torque."""
 
 from ....models.drive import GAIN
-from ..machine import Machine, Plant
+from ..machine import Machine, Parameter, Plant
 from .base import Effect, Form, Scales, Values, at, everywhere, parameter
 
 
 def forms(machine: Machine, scales: Scales) -> list[Form]:
     """One gain error for all actuators; a second form lets each have its own."""
 
-    def bounded(name: str) -> object:
+    def bounded(name: str) -> Parameter:
         return parameter(name, "-", 0.2, lower=-0.8, upper=3.0, starts=(0.0,))
 
     common = Form(
         effect=EFFECT.id,
         name="common gain",
-        parameters=(bounded("gain_error"),),  # type: ignore[arg-type]
+        parameters=(bounded("gain_error"),),
         apply=_apply_common,
         where=everywhere("joints", machine.shafts),
     )
@@ -29,7 +29,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
     own = Form(
         effect=EFFECT.id,
         name="gain of each actuator",
-        parameters=each,  # type: ignore[arg-type]
+        parameters=each,
         apply=apply,
         where=at("joints", "gain_error_"),
         removable=frozenset(f"gain_error_{s}" for s in machine.shafts),

@@ -8,6 +8,8 @@ import numpy as np
 
 from ..machine import Machine, Parameter, Plant
 
+RARE = 0.03  # price of a form that a plainer one nearly contains
+
 
 @dataclass(frozen=True, kw_only=True)
 class Scales:
@@ -50,6 +52,7 @@ class Form:
     replaces: frozenset[str] = frozenset()
     family: str = ""  # forms of one family describe the same contact and never act together
     refined: bool = False  # a richer version of another form, tried once that form is chosen
+    price: float = 0.0  # further fall of the log residual asked of a form that is rarely the reason
     step: float = 0.0  # finite-difference step in parameter scales, where the default is too fine
 
 

@@ -1,7 +1,7 @@
 """Dry friction whose level does not depend on speed; may differ by element and direction."""
 
 from ..machine import Machine, Parameter
-from .base import Effect, Form, Scales, at, parameter
+from .base import RARE, Effect, Form, Scales, at, parameter
 from .dry_friction import (
     FAMILY,
     apply_bristles,
@@ -43,6 +43,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             removable=frozenset(p.name for p in free),
             family=FAMILY,
             refined=by_direction,
+            price=RARE if by_direction else 0.0,
         )
 
     return [

@@ -1,7 +1,7 @@
 """Elastic, hysteretic displacement before sliding, long enough for the encoder to see it."""
 
 from ..machine import Machine
-from .base import Effect, Form, Scales, at, parameter
+from .base import RARE, Effect, Form, Scales, at, parameter
 from .dry_friction import FAMILY, apply_bristles, level_parameters
 
 
@@ -26,6 +26,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             where=at("elements", "level_"),
             removable=frozenset(p.name for p in levels),
             family=FAMILY,
+            price=RARE,
         )
     ]
 

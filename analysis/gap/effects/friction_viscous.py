@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from ....models.drive import VISCOUS, VISCOUS_SKEW
 from ..machine import Machine, Parameter, Plant
-from .base import Effect, Form, Scales, Values, at, parameter
+from .base import RARE, Effect, Form, Scales, Values, at, parameter
 
 
 def forms(machine: Machine, scales: Scales) -> list[Form]:
@@ -34,6 +34,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             removable=frozenset(p.name for p in free),
             replaces=frozenset(machine.viscous_own),
             refined=refined,
+            price=RARE if refined else 0.0,
         )
 
     return [
