@@ -153,17 +153,24 @@ def _search(problem: _Problem, parent: Fit | None) -> tuple[Array, Array]:
 def _least_squares(problem: _Problem, start: Array, residual: Array) -> tuple[Array, Array]:
     """Point and Jacobian that a bounded trust-region search ends at; residuals are normalised."""
     unit = float(np.sqrt(np.mean(residual**2)))
+
+    def residuals(x: Array) -> Array:
+        return problem.flat(x) / unit
+
+    def jacobian(x: Array) -> Array:
+        return problem.jacobian(x) / unit
+
     solution = least_squares(
-        lambda x: problem.flat(x) / unit,
+        residuals,
         problem.inside(start),
-        jac=lambda x: problem.jacobian(x) / unit,
+        jac=jacobian,
         bounds=(problem.lower, problem.upper),
         ftol=1e-6,
         xtol=1e-6,
         gtol=1e-10,
         max_nfev=MOST_STEPS,
     )
-    return solution.x, solution.jac * unit
+    return solution.x, np.asarray(solution.jac) * unit
 
 
 def _polished(problem: _Problem, x: Array) -> Array:
@@ -177,7 +184,7 @@ def _polished(problem: _Problem, x: Array) -> Array:
         x,
         method="Nelder-Mead",
         options={"maxfev": MOST_ROUGH_STEPS, "initial_simplex": _simplex(problem, x)},
-    )  # type: ignore[call-overload]
+    )
     return np.asarray(np.clip(solution.x, problem.lower, problem.upper))
 
 
