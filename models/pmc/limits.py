@@ -31,18 +31,24 @@ class ElevationLimits:
 
 
 def elevation_limits(geometry: Geometry) -> ElevationLimits:
-    """Limits (1)-(4); ValueError if the limbs cannot reach out to ``carriage_max``."""
+    """Limits (1)-(4); ValueError if the limbs cannot reach out to ``carriage_max`` or nothing is safe."""
     proximal, distal, reach = geometry.proximal, geometry.distal, geometry.carriage_max
     slope, fold = geometry.distal_margin, geometry.fold_margin
     # (4) as stretched * cos(alpha - lean) = h
     along, aside = proximal + distal * np.cos(fold), distal * np.sin(fold)
     stretched, lean = np.hypot(along, aside), np.arctan2(aside, along)
-    return ElevationLimits(
+    bounds = ElevationLimits(
         singular_min=-_arccos(reach / (proximal + distal), geometry),
-        safe_min=lean - _arccos(reach / stretched, geometry),
+        safe_min=float(lean) - _arccos(reach / stretched, geometry),
         safe_max=_arccos((reach - distal * np.cos(slope)) / proximal, geometry),
         singular_max=_arccos((reach - distal) / proximal, geometry),
     )
+    if bounds.safe_min >= bounds.safe_max:
+        raise ValueError(
+            f"PMC geometry: the margins distal_margin = {slope} and fold_margin = {fold} rad leave no "
+            "elevation; expected smaller margins"
+        )
+    return bounds
 
 
 def theta_bounds(geometry: Geometry) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -30,6 +30,8 @@ def test_limits_of_the_second_limb_mirror_those_of_the_first():
 def test_unreachable_limits_are_refused():
     with pytest.raises(ValueError, match="no limit posture"):
         limits.elevation_limits(Geometry(proximal=0.15, distal=0.2))
+    with pytest.raises(ValueError, match="leave no elevation"):
+        limits.elevation_limits(Geometry(distal_margin=1.2, fold_margin=1.4))
 
 
 def test_screw_range():
