@@ -51,5 +51,5 @@ def page(result: Study) -> str:
     cycle = IndustryCycle(placement=result.cycles[0][0])
     path = cycle.sample(np.linspace(0.0, 0.5 * cycle.period, 300))[0][:, :3].T
     meshcat.SetLine("industry cycle", np.asfortranarray(path), 4.0, Rgba(0.0, 0.0, 0.0, 1.0))
-    meshcat.SetCameraPose(np.array([-0.5, -0.4, 0.3]), np.array([0.3, 0.3, -0.2]))
+    meshcat.SetCameraPose(np.array([-0.20, -0.13, 0.1]), np.array([0.3, 0.3, -0.18]))
     return str(meshcat.StaticHtml())

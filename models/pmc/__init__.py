@@ -14,8 +14,10 @@ axis of drive 2, z up. Drive 1 lies at height :math:`-b_0` and drive 2 at :math:
    of the wrist P over the drive axis.
 4. The screws give :math:`v_1 = z + b_0 + p\phi` and :math:`v_2 = z - b_0 - p\phi` (2.13c).
 
-Modules: ``geometry`` (parameters), ``limb`` (laws of one limb), ``kinematics`` (displacement analyses and
-Jacobians), ``limits`` (joint limits of chapter 2). Not modelled in them: clearance, compliance.
+Modules: ``geometry`` and ``parameters`` (numbers), ``limb`` and ``displacement`` (laws), ``kinematics`` (arrays),
+``limits`` (joint limits of chapter 2), ``dynamics`` and ``constants`` (equations of motion), ``description`` (SDF; its
+output for the prototype is ``pmc.sdf`` with ``closures.yaml``), ``cycle`` (test cycles), ``control``, ``controllers`` and
+``simulation`` (closed loop). Not modelled in them: clearance, compliance.
 
 Source: T. Friedlaender, Design, Control and Testing of a Pick-and-Place Robot and its Novel
 Actuators, M.Eng. thesis, McGill University 2015, chapters 2 and 3.

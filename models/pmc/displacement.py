@@ -5,6 +5,7 @@ r"""Displacement analyses and Jacobian of the PepperMill-Carrier as scalar laws.
 2. forward   :math:`z = (v_1 + v_2)/2,\ \phi = (v_1 - v_2 - 2 b_0)/(2p)` (2.14)-(2.15)
 3. Jacobian  :math:`\dot v_1 = g_1\dot\theta_1 - \cot\beta_1\,\dot d_2`,
    :math:`\dot v_2 = -g_2\dot\theta_2 - \cot\beta_2\,\dot d_1`
+4. motion    rates and accelerations of the joints from those of the pose, with the drifts of ``limb``
 
 The printed (2.10b) has the sign of :math:`b_0` the other way round and contradicts (2.13c) and (2.15), which
 agree with each other; with it 94 % of the postures of the working branch have no solution.
@@ -73,4 +74,31 @@ def wrist_gradients(pose: Any, joints: Any, dim: Dimensions) -> Any:
         limb.height_per_elevation(alpha1, beta1, dim.proximal),
         limb.height_per_reach(beta2),
         -limb.height_per_elevation(alpha2, beta2, dim.proximal),
+    )
+
+
+def joint_motion(pose: Any, pose_rate: Any, pose_acceleration: Any, dim: Dimensions) -> Any:
+    """Joints, joint rates and accelerations (three tuples of 4) of a motion in the working mode, law (4)."""
+    w = joints(pose, 1.0, 1.0, dim)
+    vx, vy, vz, vphi = pose_rate
+    w1, w2 = vz + dim.pitch * vphi, vz - dim.pitch * vphi
+    # Rates first: the drifts depend on them.
+    k1, g1, k2, g2 = wrist_gradients(pose, w, dim)
+    rate1, rate2 = (w1 - k1 * vy) / g1, (w2 - k2 * vx) / g2
+    rates = (vx, vy, rate1, rate2)
+    return w, rates, joint_acceleration(w, rates, pose_acceleration, dim)
+
+
+def joint_acceleration(w: Any, w_rate: Any, pose_acceleration: Any, dim: Dimensions) -> Any:
+    """Joint accelerations (4) that accelerate the pose as asked, at joints and rates of the working branch."""
+    ax, ay, az, aphi = pose_acceleration
+    one = limb.motion(w[1], w[2], w_rate[1], w_rate[2], dim.proximal, dim.distal)
+    alpha2 = 0.5 * np.pi - w[3]
+    two = limb.motion(w[0], alpha2, w_rate[0], -w_rate[3], dim.proximal, dim.distal)
+    v1, v2 = az + dim.pitch * aphi, az - dim.pitch * aphi
+    return (
+        ax,
+        ay,
+        (v1 - one.height_by_h * ay - one.height_drift) / one.height_by_alpha,
+        -(v2 - two.height_by_h * ax - two.height_drift) / two.height_by_alpha,
     )

@@ -8,6 +8,9 @@ r"""One limb of the PepperMill-Carrier: a planar crank r and connecting rod l in
    forearm :math:`f = \pm 1`
 4. velocity               :math:`\dot v = -\cot\beta\,\dot h + g\,\dot\alpha`,
    :math:`g = r\sin(\beta - \alpha)/\sin\beta`
+5. acceleration           :math:`\ddot\beta = B_h\ddot h + B_\alpha\ddot\alpha + b`,
+   :math:`B_h = -1/(l\sin\beta)`, :math:`B_\alpha = r\sin\alpha\,B_h`,
+   :math:`b = B_h(r\cos\alpha\,\dot\alpha^2 + l\cos\beta\,\dot\beta^2)`
 
 Inputs are the reach h and height v of the wrist over the drive axis [m] and elevations above the
 horizontal [rad]. ``elbow`` is +1 with the elbow above the line from drive to wrist, -1 below; ``forearm`` is
@@ -18,12 +21,29 @@ cancels where :math:`C_i = A_i` - at the isotropic posture among others - and mu
 (2.11) has a cosine for the sine of the second identity. (3) is one limb of (2.14)-(2.17).
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 # A scalar that is a float, an AutoDiffXd or an Expression.
 Scalar = Any
+
+
+class Motion(NamedTuple):
+    """Sines, cosines, velocities and drifts of one limb, laws (4) and (5)."""
+
+    sin_alpha: Any
+    cos_alpha: Any
+    sin_beta: Any
+    cos_beta: Any
+    beta_rate: Any  # [rad/s]
+    beta_by_h: Any  # B_h [rad/m]
+    beta_by_alpha: Any  # B_alpha [-]
+    beta_drift: Any  # b, second derivative of beta at constant rates [rad/s^2]
+    height: Any  # v [m]
+    height_by_h: Any  # -cot(beta) [-]
+    height_by_alpha: Any  # g [m/rad]
+    height_drift: Any  # second derivative of v at constant rates [m/s^2]
 
 
 def proximal_elevation(
@@ -62,6 +82,36 @@ def height_per_elevation(alpha: Scalar, beta: Scalar, proximal: Scalar) -> Scala
     horizontal (parallel singularity). A wrist force F along z loads the drive with the torque g F.
     """
     return proximal * np.sin(beta - alpha) / np.sin(beta)
+
+
+def motion(
+    h: Scalar, alpha: Scalar, h_rate: Scalar, alpha_rate: Scalar, proximal: Scalar, distal: Scalar
+) -> Motion:
+    """Laws (4) and (5) of a limb with its forearm down, from reach, elevation and their rates."""
+    sin_a, cos_a = np.sin(alpha), np.cos(alpha)
+    # The closure (1) gives sine and cosine of beta without the angle itself.
+    cos_b = (h - proximal * cos_a) / distal
+    sin_b = -np.sqrt((1.0 - cos_b) * (1.0 + cos_b))
+    by_h = -1.0 / (distal * sin_b)
+    by_alpha = by_h * proximal * sin_a
+    rate = by_h * h_rate + by_alpha * alpha_rate
+    alpha_bend = proximal * alpha_rate * alpha_rate
+    beta_bend = distal * rate * rate
+    drift = by_h * (cos_a * alpha_bend + cos_b * beta_bend)
+    return Motion(
+        sin_a,
+        cos_a,
+        sin_b,
+        cos_b,
+        rate,
+        by_h,
+        by_alpha,
+        drift,
+        proximal * sin_a + distal * sin_b,
+        -cos_b / sin_b,
+        proximal * (cos_a - sin_a * cos_b / sin_b),
+        distal * cos_b * drift - sin_a * alpha_bend - sin_b * beta_bend,
+    )
 
 
 def wrap(angle: Scalar) -> Scalar:
