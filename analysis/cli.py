@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from .commands import compare, diagnose, simulate
+from .commands import compare, diagnose, simulate, workspace
 
 app = typer.Typer(
     name="gapscope",
@@ -16,6 +16,7 @@ app = typer.Typer(
 )
 app.add_typer(simulate.app, name="simulate")
 app.add_typer(compare.app, name="compare")
+app.add_typer(workspace.app, name="workspace")
 app.command("diagnose")(diagnose.diagnose)
 
 

@@ -1,0 +1,1 @@
+"""Questions asked of the PepperMill-Carrier: workspace, rotatability, torque, controllers."""
