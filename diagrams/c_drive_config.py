@@ -4,6 +4,7 @@ The dataclasses are mutable because Drake's loader fills them field by field; th
 when the loop is built, by the dataclasses of ``models/`` whose defaults they share.
 """
 
+import re
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
@@ -208,7 +209,15 @@ def parse_config(text: str) -> CDriveLoopConfig:
     except (AssertionError, AttributeError) as error:
         raise ValueError(f"found {error} where keys with values are expected") from None
     except (RuntimeError, ValueError, TypeError) as error:
+        unknown = re.match(r"The fields \['?([^']*)'?.*\] were unknown", str(error))
+        if unknown:
+            raise ValueError(f"unknown key {unknown[1]!r}; expected {_known_keys()}") from None
         raise ValueError(" ".join(str(error).split())) from None
+
+
+def _known_keys() -> str:
+    sections = (CDriveLoopConfig, Machine, Amplifier, *CONTROLLERS.values())
+    return "; ".join(f"{s.__name__}: {', '.join(s.__dataclass_fields__)}" for s in sections)
 
 
 def example_config() -> str:

@@ -171,14 +171,14 @@ def test_example_file_is_the_thesis_run():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("motoin: helical", "motoin"),
+        ("motoin: helical", "unknown key .motoin.; expected .*motion"),
         ("machine: {betta: 1.0}", "betta"),
         ("controller: !PDD {kp: 1.0}", "PDD"),
         ("controller: !PD {kq: 1.0}", "kq"),
         ("rate: fast", "rate|fast"),
         ("cycles: [1]", "cycles"),
         ("machine: 3", "found 3 where keys"),
-        ("- 1\n- 2", "expected|keys"),
+        ("- 1\n- 2", "list"),
         ("rate: [", "YAML"),
     ],
 )
