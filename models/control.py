@@ -41,6 +41,34 @@ def row(i: int, matrix: Any, vector: Any) -> Any:
     return total
 
 
+def pid(i: int, kp: Any, ki: Any, kd: Any, error: Any, integral: Any, slope: Any) -> Any:
+    """Row ``i`` of (2) with the integral of (4.32): Kp e + Ki int(e) + Kd de/dt."""
+    return row(i, kp, error) + row(i, ki, integral) + row(i, kd, slope)
+
+
+def inverse_dynamics(i: int, inertia: Any, damping: Any, acceleration: Any, rate: Any) -> Any:
+    """Row ``i`` of (3): the torque for the corrected acceleration at the estimated rate (4.35)."""
+    return row(i, inertia, acceleration) + row(i, damping, rate)
+
+
+def observed_rate(i: int, from_state: Any, from_position: Any, state: Any, position: Any) -> Any:
+    """Row ``i`` of the rate that an observer reads from its state and the position (4.22e)."""
+    return row(i, from_state, state) + row(i, from_position, position)
+
+
+def observer_next(
+    i: int,
+    transition: Any,
+    from_position: Any,
+    from_torque: Any,
+    state: Any,
+    position: Any,
+    torque: Any,
+) -> Any:
+    """Row ``i`` of the next state of the observer (4), inputs held over the sample."""
+    return row(i, transition, state) + row(i, from_position, position) + row(i, from_torque, torque)
+
+
 def cascade_p_p(reference: Scalar, position: Scalar, speed: Scalar, kp: Scalar, kv: Scalar) -> Any:
     """Position loop around a velocity loop, both proportional, before the limiter."""
     return kv * (kp * (reference - position) - speed)

@@ -84,23 +84,22 @@ def control_step(
         slope[j] = control.filtered_derivative(error[j], low[j], c.cutoff)
         low[j] = control.low_pass(error[j], low[j], decay)
     for i in range(n):
-        rates[i] = control.row(i, c.rate_from_state, observed)
-        rates[i] += control.row(i, c.rate_from_position, position[k])
-        servo[i] = (
-            c.feedforward * reference_acceleration[k, i]
-            + control.row(i, c.kp, error)
-            + control.row(i, c.ki, integral)
-            + control.row(i, c.kd, slope)
+        rates[i] = control.observed_rate(
+            i, c.rate_from_state, c.rate_from_position, observed, position[k]
+        )
+        servo[i] = c.feedforward * reference_acceleration[k, i] + control.pid(
+            i, c.kp, c.ki, c.kd, error, integral, slope
         )
     for i in range(n):
-        value = control.row(i, c.output, servo) + control.row(i, c.friction, rates)
+        value = control.inverse_dynamics(i, c.output, c.friction, servo, rates)
         command[k, i] = control.clip(value, c.limit)
         integral[i] += dt * error[i]
     for i in range(n):  # the observer sees the torque of one sample ago, Fig. 4-2
-        slope[i] = control.row(i, c.transition, observed)
-        slope[i] += control.row(i, c.from_position, position[k])
-        if k > 0:
-            slope[i] += control.row(i, c.from_torque, command[k - 1])
+        rates[i] = command[k - 1, i] if k > 0 else 0.0
+    for i in range(n):
+        slope[i] = control.observer_next(
+            i, c.transition, c.from_position, c.from_torque, observed, position[k], rates
+        )
     for i in range(n):
         observed[i] = slope[i]
 
@@ -155,7 +154,7 @@ def simulate(
         control_step(
             k, reference, reference_acceleration, position, controller, dt, memory, command
         )
-        _advance(k, q, v, z, held, lag, torque, command, plant, dt, substeps, work)
+        advance(k, q, v, z, held, lag, torque, command, plant, dt, substeps, work)
         for j in range(n):
             delivered[k, j] = torque[j]
 
@@ -191,7 +190,7 @@ def predict(
         for j in range(shafts):
             q[j] += alpha * residual[k, j % n]
             v[j] += beta * residual[k, j % n]
-        _advance(k, q, v, z, held, lag, torque, command, plant, dt, substeps, work)
+        advance(k, q, v, z, held, lag, torque, command, plant, dt, substeps, work)
 
 
 @compilation.kernel
@@ -209,7 +208,38 @@ def _rest(plant: Drive) -> tuple[Any, ...]:
 
 
 @compilation.kernel
-def _advance(
+def move(
+    q: Any,
+    v: Any,
+    z: Any,
+    held: Any,
+    torque: Any,
+    t: float,
+    plant: Drive,
+    dt: float,
+    substeps: int,
+    work: Any,
+) -> None:
+    """Move positions, speeds and bristles on by one sample ``dt`` from ``t`` under held torques.
+
+    The loops have these lines in place: a call of a kernel there costs them a third of their speed.
+    """
+    step = dt / substeps
+    for part in range(substeps):
+        drive.held_friction(v, z, step, plant, held)
+        drive.ode4_step(q, v, held, torque, t + part * step, step, plant, work)
+
+
+@compilation.kernel
+def acceleration(
+    q: Any, v: Any, held: Any, torque: Any, t: float, plant: Drive, work: Any, out: Any
+) -> None:
+    """``drive.acceleration`` for floats."""
+    drive.acceleration(q, v, held, torque, t, plant, work, out)
+
+
+@compilation.kernel
+def advance(
     k: int,
     q: Any,
     v: Any,

@@ -19,13 +19,8 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.signal import place_poles
 
-from .c_drive import (
-    CDriveParameters,
-    damping_matrix,
-    inertia_matrix,
-    inverse_jacobian,
-    jacobian,
-)
+from .c_drive import CDriveParameters
+from .c_drive_state_space import collar_modes, output_matrix, to_input, to_sigma
 
 
 class DiscreteObserver(NamedTuple):
@@ -62,23 +57,18 @@ def minimum_order_observer(
     """
     if not dt > 0.0:
         raise ValueError(f"dt is {dt}; expected a positive sample time in seconds")
-    J, J_inverse = jacobian(model.lead), inverse_jacobian(model.lead)
-    e = np.diag(J @ inertia_matrix(model) @ J_inverse)
-    g = np.diag(J @ damping_matrix(model) @ J_inverse)
-    if not np.all(g > 0.0):
+    h = collar_modes(model).rate
+    if not np.all(h > 0.0):
         raise ValueError("the observer needs viscous friction in both directions of the collar")
-    h = g / e
     L = observer_gain(h, poles)
     U = -(np.eye(2) + L) @ np.diag(h)
     transition = expm(U * dt)
     held = np.linalg.solve(U, transition - np.eye(2))
-    to_sigma = np.diag(np.sqrt(e)) @ J
-    to_input = np.diag(1.0 / np.sqrt(e)) @ J
-    to_rate = J_inverse @ np.diag(h / np.sqrt(e))
+    to_rate = output_matrix(model) @ np.diag(h)
     return DiscreteObserver(
         transition=transition,
-        from_position=held @ U @ L @ to_sigma,
-        from_torque=held @ np.diag(1.0 / h) @ to_input,
+        from_position=held @ U @ L @ to_sigma(model),
+        from_torque=held @ np.diag(1.0 / h) @ to_input(model),
         rate_from_state=to_rate,
-        rate_from_position=to_rate @ L @ to_sigma,
+        rate_from_position=to_rate @ L @ to_sigma(model),
     )

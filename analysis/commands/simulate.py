@@ -1,5 +1,65 @@
 """``gapscope simulate MACHINE``: run a diagram, write its log as a log set and a plot."""
 
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
 import typer
 
 app = typer.Typer(help="Simulate a machine and write its log set.", no_args_is_help=True)
+
+
+class Controller(StrEnum):
+    """Controllers of the C-drive."""
+
+    pd = "pd"
+    ts = "ts"
+    ct = "ct"
+    ra = "ra"
+
+
+@app.callback()
+def _machines() -> None:
+    """Keep the machine a subcommand while there is one machine only."""
+
+
+@app.command("c-drive")
+def c_drive(
+    out: Annotated[Path, typer.Option(help="Folder for logset.yaml, run1.csv and run1.png.")],
+    controller: Annotated[
+        Controller | None,
+        typer.Option(help="PD, task-space PD, computed torque or resolved acceleration."),
+    ] = None,
+    motion: Annotated[
+        str | None, typer.Option(help="Motion of Table 5-2: translation, rotation, helical.")
+    ] = None,
+    rate: Annotated[float | None, typer.Option(help="Cycles per second [Hz].")] = None,
+    cycles: Annotated[int | None, typer.Option(help="Number of cycles.")] = None,
+    config: Annotated[
+        Path | None, typer.Option(help="YAML file of settings; options win over it.")
+    ] = None,
+) -> None:
+    """Simulate the C-drive's loop on Drake: encoder, controller, amplifier, plant."""
+    from ...diagrams import c_drive_config
+    from .. import simulation
+    from ..errors import InputError
+
+    try:
+        settings = (
+            c_drive_config.load_config(config) if config else c_drive_config.CDriveLoopConfig()
+        )
+    except (OSError, ValueError) as error:
+        found, _, expected = str(error).partition("; expected ")
+        raise InputError(
+            "--config", found, expected or "YAML as in the packaged diagrams/c_drive_loop.yaml"
+        ) from None
+    if controller is not None:
+        kind = c_drive_config.CONTROLLERS[controller.value]
+        if not isinstance(settings.controller, kind):
+            settings.controller = kind()
+    for name, value in (("motion", motion), ("rate", rate), ("cycles", cycles)):
+        if value is not None:
+            setattr(settings, name, value)
+    run = simulation.simulate_c_drive(settings)
+    for path in simulation.write_c_drive_run(run, out):
+        typer.echo(path)
