@@ -16,6 +16,7 @@ Table 5-8 is inconsistent, in simulation and in experiment, and should not be fi
    0.0007 rad; the tables themselves hold 0.0156 and 0.0009.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 MOTIONS = ("translation", "rotation", "helical")
@@ -27,6 +28,7 @@ METRICS = (TAU_RMS, E_U_RMS, E_THETA_RMS, E_U_END, E_THETA_END, TAU_MAX, E_U_MAX
 HALF_PRINT = 5e-5  # half a unit of the last printed decimal, all tables
 
 Key = tuple[str, str, str]  # (controller, motion, metric)
+_Table = Mapping[tuple[str, str], tuple[float, ...]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,7 +95,7 @@ _RMS_1_HZ = {
 
 def rms_rows(rate_Hz: float) -> tuple[PrintedRow, ...]:
     """Tables 5-4 (2 Hz) and 5-9 (1 Hz, experiment only); ValueError for any other rate."""
-    tables: dict[float, dict[tuple[str, str], tuple[float, ...]]] = {2.0: _RMS_2_HZ, 1.0: _RMS_1_HZ}
+    tables: dict[float, _Table] = {2.0: _RMS_2_HZ, 1.0: _RMS_1_HZ}
     if rate_Hz not in tables:
         raise ValueError(f"rate is {rate_Hz} Hz; the thesis prints RMS values at 1 Hz and 2 Hz")
     return _rows(rate_Hz, tables[rate_Hz])
@@ -114,9 +116,7 @@ def all_rows() -> tuple[PrintedRow, ...]:
     return (*rms_rows(2.0), *endpoint_rows(), *maximum_rows(), *rms_rows(1.0))
 
 
-def _rows(
-    rate_Hz: float, table: dict[tuple[str, str], tuple[float, ...]]
-) -> tuple[PrintedRow, ...]:
+def _rows(rate_Hz: float, table: _Table) -> tuple[PrintedRow, ...]:
     return tuple(
         PrintedRow(
             controller=controller,
