@@ -74,6 +74,11 @@ def cascade_p_p(reference: Scalar, position: Scalar, speed: Scalar, kp: Scalar, 
     return kv * (kp * (reference - position) - speed)
 
 
+def dead_zone(value: Scalar, width: float) -> Any:
+    """``value`` moved towards zero by ``width``, a float, and zero within it."""
+    return value - clip(value, width)
+
+
 def clip(value: Scalar, limit: Scalar) -> Scalar:
     """``value`` limited to +-``limit``, a float."""
     return min(max(value, -limit), limit)

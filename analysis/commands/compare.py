@@ -1,5 +1,29 @@
 """``gapscope compare MACHINE``: controllers beside the printed results."""
 
+from pathlib import Path
+from typing import Annotated
+
 import typer
 
 app = typer.Typer(help="Compare controllers of a machine.", no_args_is_help=True)
+
+Out = Annotated[Path, typer.Option(help="Folder for the results, made if missing.")]
+
+
+@app.command("c-drive")
+def c_drive(out: Out) -> None:
+    """Tables 5-4 to 5-9 of the C-drive: our simulation beside the printed one and the experiment."""
+    from ..comparison import compare_c_drive
+    from ..comparison_page import write_comparison
+
+    for path in write_comparison(compare_c_drive(), out):
+        typer.echo(path)
+
+
+@app.command("ct-errors")
+def ct_errors(out: Out) -> None:
+    """Which setting reproduces the printed errors of computed torque? Every variant tried."""
+    from ..ct_error_study import run_study, write_study
+
+    for path in write_study(run_study(), out):
+        typer.echo(path)
