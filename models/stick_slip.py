@@ -217,6 +217,7 @@ class Response:
     steps: NDArray[np.float64]  # (n,) signed net motion per step [m]
     time: NDArray[np.float64]  # (samples,) [s]
     states: NDArray[np.float64]  # (samples, 8) x, x', y, y', z, v_1, v_2, v_3
+    final: NDArray[np.float64]  # (8,) state at the end
 
 
 def simulate(
@@ -229,12 +230,13 @@ def simulate(
     slider_mass: float | None = None,
     time_step: float = 2.0e-6,
     every: int = 0,
+    initial: NDArray[np.float64] | None = None,
 ) -> Response:
     """Play ``steps`` sawtooth periods from rest, compiled, by RK4 at ``time_step`` or just below.
 
     Long after a flyback, where nothing rings, the step is ``QUIET_STEP`` times that.
     ``load`` [N] opposes positive motion; ``slider_mass`` [kg] replaces that of the actuator; with ``every`` > 0
-    each such sample of the state is kept. The first periods settle bristle and hysteresis: use
+    each such sample of the state is kept; ``initial`` (8,) is a state to go on from, at 0 V. The first periods settle bristle and hysteresis: use
     ``settled_step`` for a step size. Raises ValueError if the motion diverges, which ``time_step`` causes.
     """
     from . import stick_slip_kernel
@@ -245,8 +247,10 @@ def simulate(
     per_period = int(sum(count for *_, count in pieces))
     samples = 1 + (steps * per_period) // every if every else 1
     time, states = np.zeros(samples), np.zeros((samples, STATES))
+    final = np.zeros(STATES) if initial is None else np.array(initial, dtype=float)
+    states[0] = final
     motion = stick_slip_kernel.play(
-        np.array(pieces), steps, float(load), actuator.constants(), every, time, states
+        np.array(pieces), steps, float(load), actuator.constants(), every, time, states, final
     )
     if not np.all(np.isfinite(motion)):
         raise ValueError(
@@ -254,7 +258,7 @@ def simulate(
             f"{2.8 * np.sqrt(actuator.piezo_mass / actuator.piezo_stiffness):.1e} s, RK4's limit for "
             "this stack"
         )
-    return Response(steps=motion, time=time, states=states)
+    return Response(steps=motion, time=time, states=states, final=final)
 
 
 def _cut(segment: Segment, time_step: float) -> tuple[float, float, float, int]:

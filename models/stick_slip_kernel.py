@@ -11,13 +11,30 @@ compilation.register_laws(*stick_slip.LAW_MODULES, stick_slip)
 
 @compilation.kernel
 def play(
-    pieces: Any, steps: int, load: float, actuator: Any, every: int, time: Any, states: Any
+    pieces: Any,
+    steps: int,
+    load: float,
+    actuator: Any,
+    every: int,
+    time: Any,
+    states: Any,
+    final: Any,
 ) -> Any:
-    """Net motion per period; every ``every``-th state goes into ``states`` (0 keeps none).
+    """Net motion per period from state ``final``, which becomes the last one.
 
-    ``pieces`` (n, 4) of one period: start [V], slope [V/s], time step [s], number of time steps.
+    Every ``every``-th state goes into ``states`` (0 keeps none). ``pieces`` (n, 4) of one
+    period: start [V], slope [V/s], time step [s], number of time steps.
     """
-    state = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    state = (
+        final[0],
+        final[1],
+        final[2],
+        final[3],
+        final[4],
+        final[5],
+        final[6],
+        final[7],
+    )
     motion = np.empty(steps)
     elapsed = 0.0
     done = 0
@@ -35,6 +52,8 @@ def play(
                         states[done // every, j] = state[j]
             elapsed += count * h
         motion[step] = state[2] - before
+    for j in range(8):
+        final[j] = state[j]
     return motion
 
 
