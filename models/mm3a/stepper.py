@@ -186,22 +186,15 @@ def steps_between(
     model: StepModel | None = None,
     arm: Arm | None = None,
     conditions: Conditions | None = None,
-    scatter: float = 0.0,
-    rng: np.random.Generator | None = None,
 ) -> int:
     """Steps that bring ``joint`` (0, 1, 2) from joints ``start`` to ``target``, or past it [rad or m].
 
-    ``scatter`` is the relative standard deviation of a factor common to all steps of the run. Raises
-    ValueError if a step has no length on the way, which is a load beyond the model.
+    Raises ValueError if a step has no length on the way, which is a load beyond the model.
     """
     from . import stepper_kernel
 
     arm, conditions = arm or Arm(), conditions or Conditions()
     session = conditions.session()
-    if scatter:
-        if rng is None:
-            raise ValueError("scatter is set but rng is None; expected a seeded generator")
-        session = session._replace(scale=session.scale * (1.0 + scatter * rng.standard_normal()))
     count = stepper_kernel.count(
         joint,
         np.array(start, dtype=float),
