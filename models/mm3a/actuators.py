@@ -1,0 +1,82 @@
+r"""The physical actuators of the three joints: ``stick_slip.py`` behind each joint's lever.
+
+A rotary joint acts at a contact radius r: slider mass :math:`M_{jj}/r^2`, load :math:`\tau_j/r`, angle
+:math:`y/r` (chapter 3: only the diagonal inertia and the static load reach a joint that steps alone).
+
+Constants are **chosen**, none is printed. Joint 3: unloaded step 0.94 um and its change under the weight
+of link 3 near the printed a = 0.90-0.97 um, c = 0.38-0.44 um (Fig. 4.13). Joints 1 and 2: step near
+90 urad and change with the extended arm's weight near d = 19-24 urad (Fig. 5.6). What follows from them -
+the shape of the trends, the effect of inertia, voltage and frequency - is prediction, not fit.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from .. import stick_slip
+from ..stick_slip import Actuator, Sawtooth
+from . import dynamics
+from .arm import Arm
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointActuator:
+    """An actuator, its drive and the radius at which it turns the joint (1 for a linear joint)."""
+
+    actuator: Actuator = field(default_factory=Actuator)
+    drive: Sawtooth = field(default_factory=Sawtooth)
+    radius: float = 1.0  # [m], or 1 without unit
+
+    def __post_init__(self) -> None:
+        if not self.radius > 0.0:
+            raise ValueError(f"joint actuator: radius is {self.radius}; expected a positive length")
+
+    def step(self, direction: int, load: float, inertia: float, **options: Any) -> float:
+        """Signed settled step [rad or m] under ``load`` [N m or N] and ``inertia`` [kg m^2 or kg]."""
+        settled = stick_slip.settled_step(
+            self.actuator,
+            self.drive,
+            direction=direction,
+            load=load / self.radius,
+            slider_mass=inertia / self.radius**2,
+            **options,
+        )
+        return settled / self.radius
+
+
+def prismatic_actuator() -> JointActuator:
+    """Actuator of joint 3: the defaults of ``stick_slip.py``."""
+    return JointActuator()
+
+
+def rotary_actuator() -> JointActuator:
+    """Actuator of joints 1 and 2, acting at 5 mm."""
+    contact = replace(
+        Actuator(),
+        transduction=0.192,
+        coulomb=0.30,
+        breakaway=0.06,
+        presliding_stiffness=4.0e6,
+        presliding_damping=80.0,
+    )
+    return JointActuator(actuator=contact, drive=Sawtooth(flyback=2.0e-4), radius=0.005)
+
+
+def joint_actuators() -> tuple[JointActuator, JointActuator, JointActuator]:
+    """Actuators of joints 1, 2 and 3."""
+    return rotary_actuator(), rotary_actuator(), prismatic_actuator()
+
+
+def physical_step(
+    joint: int,
+    direction: int,
+    q: Any,
+    gravity: Any,
+    force: Any,
+    arm: Arm,
+    actuators: tuple[JointActuator, ...],
+    **options: Any,
+) -> float:
+    """Signed settled step of ``joint`` (0, 1, 2) in posture ``q`` by its physical actuator [rad or m]."""
+    load = dynamics.static_load(q, gravity, force, arm)[joint]
+    inertia = dynamics.mass_diagonal(q, arm)[joint]
+    return actuators[joint].step(direction, float(load), float(inertia), **options)

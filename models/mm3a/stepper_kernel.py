@@ -1,0 +1,53 @@
+"""Compiled loops of ``stepper.py``."""
+
+from typing import Any
+
+import numpy as np
+
+from .. import compilation
+from . import stepper
+
+compilation.register_laws(*stepper.LAW_MODULES, stepper)
+
+
+@compilation.kernel
+def play(
+    ticks: Any,
+    positions: Any,
+    taken: Any,
+    stopped: Any,
+    table: Any,
+    session: Any,
+    arm: Any,
+    lower: Any,
+    upper: Any,
+) -> None:
+    """Fill ``positions`` after each row of ``ticks``, from ``positions[0]``."""
+    q = positions[0].copy()
+    last = np.zeros(3, dtype=np.int64)
+    for i in range(ticks.shape[0]):
+        for joint in range(3):
+            direction = ticks[i, joint]
+            if direction != 0:
+                stopped[i, joint] = stepper.coarse_step(
+                    joint, direction, q, last, taken, table, session, arm, lower, upper
+                )
+        positions[i + 1, 0] = q[0]
+        positions[i + 1, 1] = q[1]
+        positions[i + 1, 2] = q[2]
+
+
+@compilation.kernel
+def count(joint: int, q: Any, target: float, table: Any, session: Any, arm: Any) -> int:
+    """Steps until ``target`` is reached or passed; -1 if a step does not lead towards it."""
+    direction = 1 if target > q[joint] else -1
+    last = np.zeros(3, dtype=np.int64)
+    taken = np.zeros(3, dtype=np.int64)
+    while (target - q[joint]) * direction > 0.0:
+        motion = stepper.coarse_motion(joint, direction, q, last, taken, table, session, arm)
+        if motion * direction <= 0.0:
+            return -1
+        q[joint] += motion
+        taken[joint] += 1
+        last[joint] = direction
+    return taken[joint]

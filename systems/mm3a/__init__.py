@@ -1,0 +1,1 @@
+"""The MM3A in Drake: plant, stepper, limit switch and teleoperation."""
