@@ -1,0 +1,122 @@
+"""Cases of a blind run: which effects, which nuisance, which excitation, decided by the seed alone.
+
+Cases come in decks of 40: ten with no effect, every library mechanism once, six pairs and five
+off-library effects, shuffled. Case ``i`` of a seed is the same however many are made.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from . import logset
+from .c_drive import ENCODER_LSB, Machine
+from .case import DOUBLE, NONE, OFF, SINGLE, Case
+from .drive_effects import EFFECTS
+from .off_library import OFF_LIBRARY
+
+PAIRS, OFFS, NONES = 6, 5, 10
+SPEEDS = (0.8, 1.0, 1.0, 1.25, 1.25)  # on the thesis' rates: cycles stay whole milliseconds
+ATTEMPTS = 20
+RUNAWAY = 12.0  # commanded torque after the first cycle [Nm]; 2.9 Nm is the thesis' largest
+DECK = NONES + len(EFFECTS) + PAIRS + OFFS
+# Two effects of one group would hide each other or are the same law twice.
+GROUPS = (
+    {"friction.coulomb", "friction.stribeck", "friction.presliding", "friction.thermal_drift"},
+    {"friction.viscous", "friction.thermal_drift"},
+    {"transmission.backlash", "transmission.compliance"},
+    {"actuator.delay", "actuator.lag", "sensor.timing"},
+    {"actuator.torque_constant", "sensor.scale", "inertia.payload"},
+    {"load.bias", "sensor.offset"},
+)
+
+
+def draw(seed: int, index: int) -> Case:
+    """Case ``index`` of ``seed``."""
+    deck, card = divmod(index, DECK)
+    shuffled = _deck(np.random.default_rng([seed, deck, 0]))
+    kind, causes = shuffled[card]
+    stream = np.random.SeedSequence(seed, spawn_key=(index,))  # child ``index`` of the seed
+    for attempt in stream.spawn(ATTEMPTS):
+        case = _draw(seed, index, kind, causes, np.random.default_rng(attempt))
+        if steady(case):
+            return case
+    raise RuntimeError(f"seed {seed}, case {index}: {ATTEMPTS} draws of {causes} all ran away")
+
+
+def steady(case: Case) -> bool:
+    """Whether the machine runs: one that runs away is switched off, not diagnosed."""
+    commands = [table[len(table) // 3 :, 5:7] for table in logset.simulate(case, case.machine)]
+    return max(np.abs(command).max() for command in commands) < RUNAWAY
+
+
+def _draw(
+    seed: int, index: int, kind: str, causes: tuple[str, ...], rng: np.random.Generator
+) -> Case:
+    nominal = nuisance(rng)
+    machine, parameters, partial = _apply(causes, nominal, rng)
+    speed = float(rng.choice(SPEEDS))
+    return Case(
+        seed=seed,
+        index=index,
+        kind=kind,
+        answer=("unknown",) if kind == OFF else causes,
+        cause=causes,
+        nominal=nominal,
+        machine=machine,
+        partial=partial,
+        parameters=parameters,
+        speed=1.0 if "actuator.saturation" in causes else speed,
+        encoder_noise=float(rng.choice((0.0, 0.2, 0.5))) * ENCODER_LSB,
+        torque_noise=float(rng.choice((0.001, 0.002, 0.004))),
+        noise_seed=int(rng.integers(2**63)),
+    )
+
+
+def nuisance(rng: np.random.Generator, spread: float | None = None) -> Machine:
+    """The nominal machine with every physical parameter off by up to ``spread`` (1 to 3 %)."""
+    spread = float(rng.uniform(0.01, 0.03)) if spread is None else spread
+    m = Machine()
+    factors = (1 + rng.uniform(-spread, spread, 6)).tolist()
+    mass, inertia, rotor, left, right, gamma = factors
+    return m._replace(
+        mass=m.mass * mass,
+        turning_inertia=m.turning_inertia * inertia,
+        rotor_inertia=m.rotor_inertia * rotor,
+        beta=(m.beta[0] * left, m.beta[1] * right),
+        gamma=m.gamma * gamma,
+    )
+
+
+def _apply(
+    causes: tuple[str, ...], nominal: Machine, rng: np.random.Generator
+) -> tuple[Machine, dict[str, Any], dict[str, Machine]]:
+    """The machine with all causes, their parameters, and for pairs the machine without each."""
+    seeds = rng.integers(2**63, size=2)
+    table = {**EFFECTS, **OFF_LIBRARY}
+
+    def build(wanted: tuple[str, ...]) -> tuple[Machine, dict[str, Any]]:
+        machine, parameters = nominal, {}
+        for cause, seed in zip(causes, seeds):
+            if cause in wanted:
+                machine, parameters[cause] = table[cause](np.random.default_rng(seed), machine)
+        return machine, parameters
+
+    machine, parameters = build(causes)
+    partial = {c: build(tuple(o for o in causes if o != c))[0] for c in causes[:2]}
+    return machine, parameters, partial if len(causes) == 2 else {}
+
+
+def _deck(rng: np.random.Generator) -> list[tuple[str, tuple[str, ...]]]:
+    cards: list[tuple[str, tuple[str, ...]]] = [(NONE, ())] * NONES
+    cards += [(SINGLE, (name,)) for name in EFFECTS]
+    cards += [(DOUBLE, _pair(rng)) for _ in range(PAIRS)]
+    off = rng.permutation(list(OFF_LIBRARY))[:OFFS]
+    cards += [(OFF, (str(name),)) for name in off]
+    return [cards[i] for i in rng.permutation(len(cards))]
+
+
+def _pair(rng: np.random.Generator) -> tuple[str, ...]:
+    while True:
+        pair = tuple(sorted(str(name) for name in rng.choice(list(EFFECTS), 2, replace=False)))
+        if not any(set(pair) <= group for group in GROUPS):
+            return pair

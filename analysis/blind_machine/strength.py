@@ -1,0 +1,35 @@
+"""How visible an effect is: the change it makes, in multiples of what repeats differ by.
+
+The same machine with the same nuisance and noise is run without the effect. Per signal, the change
+is the RMS difference of the two logs and the floor is the RMS difference of the second and third
+cycle of the run without it, over sqrt(2) (that is one realisation's share; it holds encoder
+counts, the chatter they cause through the controller, and noise). An effect's strength is the RMS
+of those ratios over positions and torques.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .motion import Array
+
+SIGNALS = slice(3, 7)  # psi_L, psi_R, tau_L, tau_R of a logged table
+CYCLES = 3
+
+
+def floor(tables: Sequence[Array]) -> Array:
+    """Repeatability of the four signals, pooled over the runs: rad, rad, Nm, Nm."""
+    squares, samples = np.zeros(4), 0
+    for table in tables:
+        n = len(table) // CYCLES
+        gap = table[2 * n : 3 * n, SIGNALS] - table[n : 2 * n, SIGNALS]
+        squares += np.sum(gap**2, axis=0) / 2
+        samples += n
+    return np.sqrt(squares / samples)
+
+
+def strength(with_effect: Sequence[Array], without: Sequence[Array]) -> float:
+    """Pooled change over pooled floor, root mean square over positions and torques."""
+    gaps = np.concatenate([a[:, SIGNALS] - b[:, SIGNALS] for a, b in zip(with_effect, without)])
+    change = np.sqrt(np.mean(gaps**2, axis=0))
+    return float(np.sqrt(np.mean((change / floor(without)) ** 2)))

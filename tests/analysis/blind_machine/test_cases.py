@@ -1,0 +1,96 @@
+"""Cases are decided by the seed, complete, and say nothing of their answer."""
+
+import numpy as np
+import pytest
+import yaml
+
+from gapscope.analysis.blind_machine import cases, logset, strength, write_case
+from gapscope.analysis.blind_machine.c_drive import Machine
+from gapscope.analysis.blind_machine.drive_effects import EFFECTS
+from gapscope.analysis.blind_machine.motion import AMPLITUDE, out_and_back
+from gapscope.analysis.blind_machine.off_library import OFF_LIBRARY
+
+
+def index_of(seed, kind):
+    """First case of a kind in a seed's first deck."""
+    deck = cases._deck(np.random.default_rng([seed, 0, 0]))
+    return next(i for i, (k, _) in enumerate(deck) if k == kind)
+
+
+def test_a_deck_holds_every_mechanism_once_and_ten_without_effect():
+    deck = cases._deck(np.random.default_rng([5, 0, 0]))
+    singles = sorted(causes[0] for kind, causes in deck if kind == "single")
+    assert singles == sorted(EFFECTS)
+    assert len(deck) == cases.DECK == 40
+    assert sum(kind == "none" for kind, _ in deck) == 10
+    assert sum(kind == "double" for kind, _ in deck) == 6
+    assert {c for kind, (*causes,) in deck if kind == "off_library" for c in causes} <= set(
+        OFF_LIBRARY
+    )
+
+
+def test_the_same_seed_gives_the_same_file_and_another_does_not(tmp_path):
+    index = index_of(3, "none")
+    first = write_case(3, index, tmp_path / "a")
+    again = write_case(3, index, tmp_path / "b")
+    assert first == again
+    for name in ("run1.csv", "run4.csv", "logset.yaml"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+    write_case(4, index_of(4, "none"), tmp_path / "c")
+    assert (tmp_path / "a" / "run1.csv").read_bytes() != (tmp_path / "c" / "run1.csv").read_bytes()
+
+
+def test_the_log_set_withholds_its_answer_and_states_its_motion(tmp_path):
+    index = index_of(3, "single")
+    answer = write_case(3, index, tmp_path)
+    text = (tmp_path / "logset.yaml").read_text()
+    assert "answer" not in text
+    assert not any(cause in text for cause in answer["cause"])
+    described = yaml.safe_load(text)
+    assert len(described["runs"]) == 6
+    for run in described["runs"]:
+        table = np.loadtxt(tmp_path / run["file"], delimiter=",", skiprows=1)
+        t, stroke, _ = out_and_back(run["rate_Hz"], 3)
+        expected = stroke[:, None] * AMPLITUDE[run["motion"]]
+        assert table[:, 0] == pytest.approx(t, abs=5.1e-4)
+        assert table[:, 1:3] == pytest.approx(expected, abs=5.1e-7)
+
+
+def test_no_effect_means_the_nominal_machine_within_tolerance(tmp_path):
+    index = index_of(6, "none")
+    case = cases.draw(6, index)
+    answer = write_case(6, index, tmp_path)
+    assert answer["answer"] == []
+    assert answer["strength"]["all"] == 0.0
+    stated = Machine()
+    jittered = ("mass", "turning_inertia", "rotor_inertia", "beta", "gamma")
+    for name in Machine._fields:
+        ratio = (
+            np.divide(getattr(case.machine, name), getattr(stated, name))
+            if (name in jittered)
+            else None
+        )
+        if ratio is None:
+            assert getattr(case.machine, name) == getattr(stated, name)
+        else:
+            assert np.all(np.abs(ratio - 1) <= 0.03)
+
+
+def test_a_dry_machine_moves_the_residual_and_a_copy_does_not():
+    case = cases.draw(3, index_of(3, "none"))
+    tables = logset.simulate(case, case.nominal)
+    assert strength.strength(tables, tables) == 0.0
+    even = (0.3, 0.3)
+    dry = case.nominal._replace(coulomb=(even, even, (0.0, 0.0)))
+    assert strength.strength(logset.simulate(case, dry), tables) > 5.0
+
+
+@pytest.mark.parametrize("name", [*EFFECTS, *OFF_LIBRARY])
+def test_every_effect_keeps_the_types_the_kernel_was_compiled_for(name):
+    """A changed type would recompile the kernel for seconds, or fail to."""
+    table = {**EFFECTS, **OFF_LIBRARY}
+    for seed in range(8):
+        machine, parameters = table[name](np.random.default_rng(seed), Machine())
+        for field, default in zip(Machine._fields, Machine()):
+            assert type(getattr(machine, field)) is type(default), field
+        assert parameters
