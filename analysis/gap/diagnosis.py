@@ -18,7 +18,7 @@ import numpy as np
 
 from ..files import output_folder, write_whole
 from .attribution import Ranked, attribute
-from .clock import ClockCheck, align
+from .clock import ReplayCheck, check_replay
 from .effects import Scales, forms_for
 from .fitting import Predictor, fit
 from .floor import noise_floor
@@ -26,11 +26,13 @@ from .hypothesis import Fit, Hypothesis
 from .location import locate
 from .logset import FILE, LogSet, load_logset
 from .machine import Array, Machine, RunData
-from .machines import read_machine
+from .machines import read_machine, stated_encoder_step
 from .shrinkage import Shrinkage, closed_loop, shrinkage
-from .verdict import Verdict, decide
+from .signals import SignalFinding, examine
+from .verdict import Verdict, decide, with_findings
 
 HELD_BACK = 0.3  # share of a lone run's end that is kept for validation
+SIGNAL_PROBABILITY = 0.99  # of a signal finding, which passes its own strict test or is not made
 VISIBLE = 0.5  # a parameter known worse than this share of its typical size is not visible
 
 Progress = Callable[[str], None]
@@ -43,7 +45,8 @@ class Diagnosis:
     logset: LogSet
     machine: Machine
     runs: tuple[RunData, ...]
-    clock: tuple[ClockCheck, ...]
+    replays: tuple[ReplayCheck, ...]
+    findings: tuple[SignalFinding, ...]  # what is wrong with the signals
     floor: float  # on the fit runs [position unit]
     nominal: Fit
     retuned: Fit
@@ -64,16 +67,16 @@ class Diagnosis:
         return {
             "verdict": self.verdict.verdict,
             "reason": self.verdict.reason,
-            "effects": [] if accepted is None else self._effects(accepted),
+            "effects": [_finding(f) for f in self.findings]
+            + ([] if accepted is None else self._effects(accepted)),
             "ranking": [self._ranked(r) for r in self.ranking],
             "location": self.location,
             "shrinkage": _shrinkage_json(self.shrinkage, self.closed_loop),
             "warnings": list(self.warnings),
             "next_experiment": self.next_experiment,
             "retuned": {key[1]: value for key, value in self.retuned.by_key().items()},
-            "clock": [
-                {"run": c.run, "lag_samples": c.lag, "relative_disagreement": c.disagreement}
-                for c in self.clock
+            "controller_replay": [
+                {"run": c.run, "relative_disagreement": c.disagreement} for c in self.replays
             ],
             "provenance": self.provenance,
         }
@@ -132,10 +135,11 @@ def diagnose(
     started = time.perf_counter()
     tell = progress or (lambda text: None)
     log = logset if isinstance(logset, LogSet) else load_logset(logset)
-    tell("aligning clocks")
-    machine, runs = read_machine(log)
-    runs, clock = align(runs)
-    runs = _with_validation(runs)
+    tell("checking signals and clocks")
+    machine, logged = read_machine(log)
+    logged = _with_validation(logged)
+    runs, findings = examine(machine, logged, stated_encoder_step(log))
+    replays = [check_replay(run) for run in runs]
     fit_runs = [run for run in runs if run.use == "fit"]
     held_back = [run for run in runs if run.use == "validate"]
     predictor = Predictor(machine, fit_runs)
@@ -151,10 +155,11 @@ def diagnose(
         ranking[0].fit.hypothesis, [ranking[0].fit.values], ranking[0].fit.keys
     )[0]
     floor = _floor(fit_runs, best, machine)
-    verdict = decide(ranking, retuned_rank, floor)
+    verdict = with_findings(decide(ranking, retuned_rank, floor), findings)
     chosen = verdict.accepted.fit if verdict.accepted else retuned
     tell("verifying on held-out runs")
-    shrunk = shrinkage(machine, held_back, retuned, chosen, seed)
+    as_logged = [run for run in logged if run.use == "validate"]
+    shrunk = shrinkage(machine, as_logged, held_back, retuned, chosen, seed)
     loops = closed_loop(
         machine, held_back, {"before": nominal, "retuned": retuned, "after": chosen}
     )
@@ -162,7 +167,8 @@ def diagnose(
         logset=log,
         machine=machine,
         runs=tuple(runs),
-        clock=tuple(clock),
+        replays=tuple(replays),
+        findings=tuple(findings),
         floor=floor,
         nominal=nominal,
         retuned=retuned,
@@ -173,7 +179,7 @@ def diagnose(
         location=locate(fit_runs, residuals, machine, seed),
         shrinkage=shrunk,
         closed_loop=loops,
-        warnings=tuple(_warnings(log, runs, clock, ranking, shrunk)),
+        warnings=tuple(_warnings(log, replays, ranking, shrunk)),
         next_experiment=_next_experiment(predictor, ranking, verdict),
         provenance=_provenance(log, seed, predictor.simulations, time.perf_counter() - started),
     )
@@ -225,6 +231,7 @@ def _scales(runs: Sequence[RunData]) -> Scales:
         rate_peak=float(np.max(np.abs(rate))),
         travel=travel,
         dt=runs[0].dt,
+        duration=max(run.start + float(np.ptp(run.t)) for run in runs) - min(r.start for r in runs),
         lsb=runs[0].lsb or 1e-6 * travel,
     )
 
@@ -243,25 +250,15 @@ def _validation_errors(
 
 
 def _warnings(
-    log: LogSet,
-    runs: Sequence[RunData],
-    clock: Sequence[ClockCheck],
-    ranking: Sequence[Ranked],
-    shrunk: Shrinkage,
+    log: LogSet, replays: Sequence[ReplayCheck], ranking: Sequence[Ranked], shrunk: Shrinkage
 ) -> list[str]:
-    warnings = []
-    for check in clock:
-        if check.lag:
-            warnings.append(
-                f"{check.run}: the command is logged {check.lag} samples late; this was removed "
-                "before anything was blamed on the machine."
-            )
-        if not check.faithful:
-            warnings.append(
-                f"{check.run}: the stated controller does not reproduce the logged command "
-                f"(difference {100 * check.disagreement:.0f} % rms); closed-loop results for this "
-                "run are not to be trusted."
-            )
+    warnings = [
+        f"{check.run}: the stated controller does not reproduce the logged command (difference "
+        f"{100 * check.disagreement:.0f} % rms); closed-loop results for this run are not to be "
+        "trusted."
+        for check in replays
+        if not check.faithful
+    ]
     if not log.validate:
         warnings.append(
             f"No run is marked validate: the last {100 * HELD_BACK:.0f} % of every run were held "
@@ -305,6 +302,17 @@ def _next_experiment(
         "separates": [list(first.hypothesis.ids), list(second.hypothesis.ids)],
         "prediction_difference": max(difference),
         "unit": predictor.machine.position_unit,
+    }
+
+
+def _finding(finding: SignalFinding) -> dict[str, Any]:
+    return {
+        "id": finding.effect,
+        "form": finding.form,
+        "where": finding.where,
+        "probability": SIGNAL_PROBABILITY,
+        "parameters": finding.parameters,
+        "evidence": finding.evidence,
     }
 
 

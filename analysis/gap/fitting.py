@@ -16,7 +16,7 @@ from scipy.optimize import least_squares, lsq_linear, minimize
 
 from ...models import drive_kernels
 from .hypothesis import Fit, Hypothesis
-from .machine import Array, Machine, RunData
+from .machine import Array, FinishedPlant, Machine, RunData
 
 DIVERGED = 1e6  # residual, in encoder ranges, given to a prediction that is not finite
 STEP = 1e-4  # finite-difference step, in parameter scales
@@ -45,21 +45,36 @@ class Predictor:
     ) -> list[list[Array]]:
         """Residuals (samples, n) of every run at every point, in parallel."""
         tasks = []
+        chosen = self.runs if runs is None else runs
         for point in points:
-            plant = hypothesis.plant(self.machine, dict(zip(keys, point)))
-            chosen = self.runs if runs is None else runs
-            tasks.append([self._pool.submit(self._predict, run, *plant) for run in chosen])
+            values = dict(zip(keys, point))
+            plants = {t: hypothesis.plant(self.machine, values, t) for t in _times(chosen)}
+            tasks.append(
+                [self._pool.submit(self._predict, run, plants[run.start]) for run in chosen]
+            )
         return [[task.result() for task in row] for row in tasks]
 
-    def _predict(self, run: RunData, plant: drive_kernels.Drive, substeps: int) -> Array:
+    def _predict(self, run: RunData, plant: FinishedPlant) -> Array:
+        scale = 1.0 if plant.sensor_scale is None else plant.sensor_scale
         residual = np.empty_like(run.position)
         drive_kernels.predict(
-            run.position, run.command, plant, run.dt, substeps, self.machine.bandwidth, residual
+            run.position / scale,
+            run.command,
+            plant.drive,
+            run.dt,
+            plant.substeps,
+            self.machine.bandwidth,
+            residual,
         )
+        residual *= scale
         self.simulations += 1
         if not np.all(np.isfinite(residual)):
             residual[:] = DIVERGED * np.ptp(run.position)
         return residual[run.window]
+
+
+def _times(runs: Sequence[RunData]) -> set[float]:
+    return {run.start for run in runs}
 
 
 class _Problem:

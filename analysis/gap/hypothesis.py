@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ...models.drive import Drive
 from .effects import Form
-from .machine import Array, Machine, Parameter
+from .machine import Array, FinishedPlant, Machine, Parameter
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,11 +58,17 @@ class Hypothesis:
         """Number of parameters beyond the nominal structure."""
         return sum(len(self.kept(form)) for form in self.forms)
 
-    def plant(self, machine: Machine, values: Mapping[tuple[str, str], float]) -> tuple[Drive, int]:
-        """Drive and steps per sample at the values, by (effect id or "", parameter name)."""
+    def plant(
+        self, machine: Machine, values: Mapping[tuple[str, str], float], time: float = 0.0
+    ) -> FinishedPlant:
+        """The plant at the values, by (effect id or "", parameter name).
+
+        ``time`` is how long the machine has been running [s].
+        """
         own = machine.nominal()
         own.update({name: value for (effect, name), value in values.items() if effect == ""})
         plant = machine.build(own)
+        plant.time = time
         # Forms that split the machine in two act last, on everything the others have changed.
         for form in sorted(self.forms, key=lambda f: f.effect.startswith("transmission.")):
             form.apply(

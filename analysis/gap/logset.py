@@ -70,6 +70,7 @@ class LogSet:
     controllers: Mapping[str, Mapping[str, Any]]
     dt: float  # [s]
     units: Mapping[str, str]
+    remarks: Mapping[str, str]  # text of each column as written, with what follows the unit
     runs: tuple[Run, ...]
 
     @property
@@ -121,6 +122,7 @@ def load_logset(folder: str | Path) -> LogSet:
         controllers=controllers,
         dt=float(dt),
         units=units,
+        remarks={str(name): str(text) for name, text in document["columns"].items()},
         runs=runs,
     )
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,11 +32,22 @@ class Plant:
     inertia: Array  # (shafts, shafts)
     drive: Drive
     substeps: int = 1
+    time: float = 0.0  # how long the machine has been running [s]
+    sensor_scale: Array | None = None  # (n,) reading per true position, None for exact encoders
 
-    def finished(self) -> tuple[Drive, int]:
-        """The drive for the kernels and its steps per sample."""
-        inverse = np.linalg.inv(self.inertia)
-        return self.drive._replace(inertia_inverse=np.ascontiguousarray(inverse)), self.substeps
+    def finished(self) -> "FinishedPlant":
+        """The plant as the kernels need it."""
+        inverse = np.ascontiguousarray(np.linalg.inv(self.inertia))
+        drive = self.drive._replace(inertia_inverse=inverse)
+        return FinishedPlant(drive, self.substeps, self.sensor_scale)
+
+
+class FinishedPlant(NamedTuple):
+    """A plant whose effects have all acted."""
+
+    drive: Drive
+    substeps: int  # integration steps per sample
+    sensor_scale: Array | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,6 +78,7 @@ class RunData:
     controller: LoopController
     period: int | None  # samples of one repeated cycle, if the motion repeats
     lsb: float  # encoder step found in the data, 0 if it cannot be seen
+    start: float = 0.0  # how long the machine had been running when the run began [s]
     window: slice = field(
         default_factory=lambda: slice(None)
     )  # samples that count; the rest only leads up to them
@@ -89,6 +101,7 @@ class Machine:
     own: tuple[Parameter, ...]  # nominal values are their first starts, bounds their tolerance
     payload: tuple[PayloadAxis, ...]
     viscous_own: tuple[str, ...]  # own parameters that are viscous friction
+    ripples: Mapping[str, float]  # spatial frequencies [1/position unit] by the name of a period
     motor_share: float  # share of the smallest inertia that sits on the motor's side
     bandwidth: float  # of the prediction's correction [rad/s]
     build: Callable[[Mapping[str, float]], Plant]

@@ -11,7 +11,7 @@ from .fitting import Predictor
 from .floor import noise_floor
 from .hypothesis import Fit, Hypothesis
 from .location import unexplained_effort
-from .machine import Array, Machine, RunData
+from .machine import Array, FinishedPlant, Machine, RunData
 
 BLOCKS = 20  # per run
 RESAMPLES = 1000
@@ -34,13 +34,24 @@ class Shrinkage:
 
 
 def shrinkage(
-    machine: Machine, runs: Sequence[RunData], retuned: Fit, chosen: Fit, seed: int
+    machine: Machine,
+    logged: Sequence[RunData],
+    runs: Sequence[RunData],
+    retuned: Fit,
+    chosen: Fit,
+    seed: int,
 ) -> Shrinkage:
-    """Before, retuned, after and floor on ``runs``, with a block-bootstrap interval of the percent."""
-    predictor = Predictor(machine, runs)
+    """Before, retuned, after and floor, with a block-bootstrap interval of the percent.
+
+    ``logged`` are the validation runs as they came, ``runs`` the same with wrong signals corrected:
+    before is the nominal model on the former, all else is on the latter.
+    """
     nominal = machine.nominal()
     names = tuple(("", name) for name in nominal)
-    raw = predictor.residuals(Hypothesis(), [np.array(list(nominal.values()))], names)[0]
+    raw = Predictor(machine, logged).residuals(
+        Hypothesis(), [np.array(list(nominal.values()))], names
+    )[0]
+    predictor = Predictor(machine, runs)
     tuned = predictor.residuals(retuned.hypothesis, [retuned.values], retuned.keys)[0]
     after = predictor.residuals(chosen.hypothesis, [chosen.values], chosen.keys)[0]
     floors, source = noise_floor(runs, after, machine.bandwidth)
@@ -103,10 +114,10 @@ def closed_loop(machine: Machine, runs: Sequence[RunData], fits: dict[str, Fit])
     """
     result: dict[str, Any] = {}
     for name, fit in fits.items():
-        plant, substeps = fit.hypothesis.plant(machine, fit.by_key())
         command_error, position_error = [], []
         for run in runs:
-            position, command = simulate(run, plant, substeps)
+            plant = fit.hypothesis.plant(machine, fit.by_key(), run.start)
+            position, command = simulate(run, plant)
             command_error.append((command - run.command)[run.window])
             position_error.append((position - run.position)[run.window])
         if not all(np.all(np.isfinite(e)) for e in command_error):
@@ -120,18 +131,23 @@ def closed_loop(machine: Machine, runs: Sequence[RunData], fits: dict[str, Fit])
     return result
 
 
-def simulate(run: RunData, plant: drive_kernels.Drive, substeps: int) -> tuple[Array, Array]:
-    """Position and command (samples, n) of the closed loop on the run's reference."""
+def simulate(run: RunData, plant: FinishedPlant) -> tuple[Array, Array]:
+    """Position and command (samples, n) of the closed loop on the run's reference.
+
+    The loop closes over an exact encoder: a plant with a sensor scale gives NaN.
+    """
     position = np.empty_like(run.position)
     position[0] = run.position[0]
     command, delivered = np.empty_like(position), np.empty_like(position)
+    if plant.sensor_scale is not None:
+        return np.full_like(position, np.nan), np.full_like(position, np.nan)
     drive_kernels.simulate(
         run.reference,
         run.reference_acceleration,
-        plant,
+        plant.drive,
         run.controller,
         run.dt,
-        substeps,
+        plant.substeps,
         run.lsb,
         drive_kernels.initial_memory(run.controller, run.position[0]),
         position,

@@ -1,9 +1,10 @@
 """The verdict: what may be claimed from a ranking, and when to say nothing."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .attribution import LEAST_GAIN, Ranked
+from .signals import SignalFinding
 
 GAP_RATIO = 1.25  # a retuned residual below this multiple of the floor is no gap
 LEAST_REMOVED = 0.75  # an explanation removes this share of what lies between retuned and floor
@@ -92,3 +93,13 @@ def _is_rival(other: Ranked, best: Ranked) -> bool:
     """Likely, and neither a part nor an extension of the best."""
     mine, its = set(best.fit.hypothesis.ids), set(other.fit.hypothesis.ids)
     return other.probability > RIVAL_PROBABILITY and not (mine <= its or its <= mine)
+
+
+def with_findings(verdict: Verdict, findings: Sequence[SignalFinding]) -> Verdict:
+    """The verdict on the machine joined with what was found wrong with its signals."""
+    if not findings:
+        return verdict
+    signals = "; ".join(f"{f.effect} ({f.form}): {f.evidence}" for f in findings)
+    joined = "explained" if verdict.verdict == "no_gap" else verdict.verdict
+    rest = "Beyond that, no gap." if verdict.verdict == "no_gap" else verdict.reason
+    return replace(verdict, verdict=joined, reason=f"{signals}. {rest}")

@@ -23,6 +23,18 @@ def level_parameters(machine: Machine, scales: Scales) -> tuple[Parameter, ...]:
     )
 
 
+def width_parameter(machine: Machine, scales: Scales) -> Parameter:
+    """Speed over which the smoothed sign changes."""
+    return parameter(
+        "width",
+        machine.unit("rate"),
+        0.01 * scales.rate,
+        lower=1e-4 * scales.rate,
+        upper=0.2 * scales.rate,
+        starts=(0.01 * scales.rate,),
+    )
+
+
 def asymmetry_parameters(machine: Machine) -> tuple[Parameter, ...]:
     """The share that each element's level has more forward and less backward."""
     return tuple(

@@ -8,20 +8,14 @@ from .dry_friction import (
     apply_smooth_sign,
     asymmetry_parameters,
     level_parameters,
+    width_parameter,
 )
 
 
 def forms(machine: Machine, scales: Scales) -> list[Form]:
     """Levels by element and direction, with a smoothed sign or with bristles (Dahl)."""
     levels = level_parameters(machine, scales)
-    width = parameter(
-        "width",
-        machine.unit("rate"),
-        0.01 * scales.rate,
-        lower=1e-4 * scales.rate,
-        upper=0.2 * scales.rate,
-        starts=(0.01 * scales.rate,),
-    )
+    width = width_parameter(machine, scales)
     travel = parameter(
         "travel",
         machine.unit("position"),

@@ -43,6 +43,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             apply=apply,
             where=everywhere("joints", machine.shafts),
             step=0.02,
+            family="two inertias",
         )
     ]
 

@@ -1,7 +1,9 @@
 """Nominal models by ``system.kind``: one module per machine, each with ``read(logset)``."""
 
+import re
 from collections.abc import Callable
 
+from ....models.encoder import resolution
 from ...errors import InputError
 from ..logset import LogSet
 from ..machine import Machine, RunData
@@ -11,6 +13,19 @@ KINDS: dict[str, Callable[[LogSet], tuple[Machine, list[RunData]]]] = {
     "c_drive": c_drive.read,
     "slider": slider.read,
 }
+
+
+def stated_encoder_step(logset: LogSet) -> float | None:
+    """Encoder step that the log set states [position unit]: in bits per turn, or as a length."""
+    for text in logset.remarks.values():
+        bits = re.search(r"(\d+)[- ]bit encoder", text)
+        if bits:
+            return resolution(int(bits.group(1)))
+    for settings in logset.controllers.values():
+        step = settings.get("encoder_lsb_m")
+        if isinstance(step, int | float):
+            return float(step)
+    return None
 
 
 def read_machine(logset: LogSet) -> tuple[Machine, list[RunData]]:

@@ -18,6 +18,7 @@ from .reference import derivatives
 from .settings import Settings, nominal_settings, require_units, tolerance
 
 REFERENCE_ROUNDING = 1e-5  # [rad], how far a printed reference may be from its motion program
+RIPPLES_PER_TURN = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 18, 24)  # eccentricity, poles, slots
 ROTOR_INERTIA = 6.0e-4  # I_h [kg m^2]: (5.2) with the printed collar mass of 3.279 kg in (2.6a)
 
 
@@ -82,6 +83,7 @@ def c_drive_machine(parameters: CDriveParameters, relative: float) -> Machine:
             ),
         ),
         viscous_own=("beta", "gamma"),
+        ripples={f"1/{k} turn" if k > 1 else "1 turn": float(k) for k in RIPPLES_PER_TURN},
         motor_share=ROTOR_INERTIA / (M[0, 0] - M[0, 1]),
         bandwidth=100.0,
         build=build,
@@ -203,4 +205,5 @@ def _run_data(run: Run, dt: float, controller: LoopController, logset: LogSet) -
         controller=controller,
         period=period,
         lsb=encoder_step(position),
+        start=settings.number("start_s", 0.0),
     )

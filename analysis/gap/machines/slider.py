@@ -12,6 +12,7 @@ from ..machine import Machine, PayloadAxis, Plant, RunData, encoder_step, own_pa
 from .reference import derivatives
 from .settings import Settings, nominal_settings, require_units, tolerance
 
+RIPPLE_PERIODS = (0.001, 0.002, 0.004, 0.005, 0.01, 0.016, 0.02, 0.024, 0.03, 0.06)  # screws [m]
 SIGN_WIDTH = 1e-3  # of the smoothed sign of dry friction [m/s]
 
 
@@ -66,6 +67,7 @@ def slider_machine(mass: float, viscous: float, relative: float) -> Machine:
             ),
         ),
         viscous_own=("viscous",),
+        ripples={f"{1e3 * p:g} mm": 2.0 * np.pi / p for p in RIPPLE_PERIODS},
         motor_share=0.5,
         bandwidth=100.0,
         build=build,

@@ -1,0 +1,35 @@
+"""Friction that grows with the transmitted torque."""
+
+from ....models.drive import LOAD_FRICTION
+from ..machine import Machine, Plant
+from .base import Effect, Form, Scales, Values, at, parameter
+
+
+def forms(machine: Machine, scales: Scales) -> list[Form]:
+    """A share of each shaft's drive torque that is lost to friction."""
+    parameters = tuple(
+        parameter(f"share_{s}", "-", 0.1, lower=0.0, upper=0.9) for s in machine.shafts
+    )
+
+    def apply(plant: Plant, values: Values) -> None:
+        for j, s in enumerate(machine.shafts):
+            plant.drive.shaft[j, LOAD_FRICTION] += values.get(f"share_{s}", 0.0)
+
+    return [
+        Form(
+            effect=EFFECT.id,
+            name="share of the motor torque",
+            parameters=parameters,
+            apply=apply,
+            where=at("joints", "share_"),
+            removable=frozenset(p.name for p in parameters),
+        )
+    ]
+
+
+EFFECT = Effect(
+    id="friction.load_dependent",
+    summary="friction that grows with transmitted load or motor torque",
+    forms=forms,
+    signature="unexplained torque that steps with the speed's sign and grows with the torque",
+)

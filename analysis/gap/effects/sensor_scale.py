@@ -1,0 +1,38 @@
+"""A wrong gain of an encoder that loop and log both see."""
+
+import numpy as np
+
+from ..machine import Machine, Plant
+from .base import Effect, Form, Scales, Values, at, parameter
+
+
+def forms(machine: Machine, scales: Scales) -> list[Form]:
+    """A scale error of each encoder."""
+    parameters = tuple(
+        parameter(f"scale_error_{s}", "-", 0.2, lower=-0.5, upper=1.0, starts=(0.0,))
+        for s in machine.shafts
+    )
+
+    def apply(plant: Plant, values: Values) -> None:
+        plant.sensor_scale = np.array(
+            [1.0 + values.get(f"scale_error_{s}", 0.0) for s in machine.shafts]
+        )
+
+    return [
+        Form(
+            effect=EFFECT.id,
+            name="scale of each encoder",
+            parameters=parameters,
+            apply=apply,
+            where=at("joints", "scale_error_"),
+            removable=frozenset(p.name for p in parameters),
+        )
+    ]
+
+
+EFFECT = Effect(
+    id="sensor.scale",
+    summary="encoder gain",
+    forms=forms,
+    signature="unexplained torque as if every coefficient of one joint were scaled",
+)

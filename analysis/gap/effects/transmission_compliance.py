@@ -1,0 +1,53 @@
+"""A flexible coupling, belt, screw or link between motor and load."""
+
+from ..machine import Machine, Plant
+from .base import Effect, Form, Scales, Values, everywhere, parameter
+from .transmission_backlash import CONTACT
+from .two_inertia import split
+
+
+def forms(machine: Machine, scales: Scales) -> list[Form]:
+    """The same flexibility at every shaft, with the motor's share of the inertia."""
+    stiffest = scales.travel / (CONTACT * scales.effort_peak)
+    compliance = parameter(
+        "compliance",
+        f"{machine.position_unit}/({machine.effort_unit})",
+        30.0 * stiffest,
+        lower=stiffest,
+        upper=1e5 * stiffest,
+        starts=(2.0 * stiffest, 10.0 * stiffest, 100.0 * stiffest, 1000.0 * stiffest),
+    )
+    share = parameter(
+        "motor_share", "-", 0.3, lower=0.05, upper=0.97, starts=(machine.motor_share,)
+    )
+    damping = parameter("damping_ratio", "-", 0.1, lower=0.0, upper=1.0, starts=(0.05, 0.3))
+
+    def apply(plant: Plant, values: Values) -> None:
+        split(
+            plant,
+            machine,
+            share=values["motor_share"],
+            stiffness=1.0 / values["compliance"],
+            damping_ratio=values["damping_ratio"],
+            gap=0.0,
+            dt=scales.dt,
+        )
+
+    return [
+        Form(
+            effect=EFFECT.id,
+            name="two inertias",
+            parameters=(compliance, share, damping),
+            apply=apply,
+            where=everywhere("joints", machine.shafts),
+            family="two inertias",
+        )
+    ]
+
+
+EFFECT = Effect(
+    id="transmission.compliance",
+    summary="flexible coupling, belt, screw, gear or link",
+    forms=forms,
+    signature="unexplained torque that rings at one frequency after each change of the command",
+)
