@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 from .attribution import LEAST_GAIN, Ranked
 from .signals import SignalFinding
 
-GAP_RATIO = 1.25  # a retuned residual below this multiple of the floor is no gap
+NEGLIGIBLE = 1.15  # a retuned residual below this multiple of the floor is no gap, whatever improves it
+GAP_RATIO = 1.25  # nor is one below this multiple that no effect improves
 LEAST_REMOVED = 0.75  # an explanation removes this share of what lies between retuned and floor
 RIVAL_PROBABILITY = 0.05  # a rival this likely makes the choice ambiguous
 
@@ -28,12 +29,13 @@ def decide(ranking: Sequence[Ranked], retuned: Ranked, floor: float) -> Verdict:
     best = _smallest_likely(ranking)
     gap = retuned.fit.held_out_rms - floor
     removed = (retuned.fit.held_out_rms - best.fit.held_out_rms) / gap if gap > 0.0 else None
-    if not best.fit.hypothesis.forms or best.gain_interval[0] < LEAST_GAIN or ratio < 1.0:
+    idle = not best.fit.hypothesis.forms or best.gain_interval[0] < LEAST_GAIN
+    if idle or ratio < NEGLIGIBLE:
         if ratio < GAP_RATIO:
             return Verdict(
                 verdict="no_gap",
                 reason=f"The nominal model, retuned inside its tolerance, predicts to {ratio:.2f} x "
-                "the noise floor, and no effect improves on it.",
+                "the noise floor; what an effect could improve on that is negligible.",
                 accepted=None,
                 rivals=(),
                 removed=None,
