@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from .figures import BLUE, GREEN, PURPLE, VERMILION
+
 if TYPE_CHECKING:
     from .resolved_acceleration import StabilityMap, TunedGain
-
-BLUE, ORANGE, GREEN, PINK = "#0072B2", "#D55E00", "#009E73", "#CC79A7"  # Okabe-Ito
 
 
 def plot_map(result: "StabilityMap", path: Path) -> None:
@@ -32,7 +32,7 @@ def plot_map(result: "StabilityMap", path: Path) -> None:
         kp,
         RATIO * kp,
         "s",
-        color=PINK,
+        color=PURPLE,
         markeredgecolor="black",
         label="rotation 2.5 times, as in TS",
     )
@@ -59,7 +59,7 @@ def plot_limits(limits: "dict[str, list[TunedGain]]", path: Path) -> None:
     paths = list(limits)
     names = [gain.name for gain in limits[paths[0]]]
     for i, (name, color, marker) in enumerate(
-        zip(names, (BLUE, GREEN, PINK, ORANGE), ("o", "s", "^", "D"))
+        zip(names, (BLUE, GREEN, PURPLE, VERMILION), ("o", "s", "^", "D"))
     ):
         shares = [limits[path][i].share for path in paths]
         axes.plot(range(len(paths)), shares, marker, color=color, label=name, markersize=8)
