@@ -22,7 +22,7 @@ from ..diagrams.c_drive_config import (
 from ..diagrams.c_drive_loop import c_drive_loop
 from ..models.c_drive import collar_pose
 from .errors import InputError
-from .output import write_folder
+from .files import write_folder
 
 PORTS = ("reference", "measured", "command", "torque", "position")
 # The error that means divergence, as a multiple of the motion's amplitude. A loop that works stays

@@ -7,11 +7,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..models.c_drive import collar_pose
+from .figures import BLUE, VERMILION
 
 if TYPE_CHECKING:
     from .simulation import CDriveRun
-
-BLUE, ORANGE = "#0072B2", "#D55E00"  # Okabe-Ito
 
 
 def plot_run(run: "CDriveRun", path: Path) -> None:
@@ -23,16 +22,16 @@ def plot_run(run: "CDriveRun", path: Path) -> None:
     rotation = axes[0].twinx()
     lines = [
         *axes[0].plot(run.t, 1e3 * pose[:, 0], color=BLUE, label="translation"),
-        *rotation.plot(run.t, pose[:, 1], color=ORANGE, linestyle="--", label="rotation"),
+        *rotation.plot(run.t, pose[:, 1], color=VERMILION, linestyle="--", label="rotation"),
     ]
     axes[0].set_ylabel("reference u [mm]")
     rotation.set_ylabel("reference θ [rad]")
     axes[0].legend(handles=lines, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     axes[1].plot(run.t, 1e3 * errors[:, 0], color=BLUE, linewidth=0.8)
     axes[1].set_ylabel("error of u [mm]")
-    axes[2].plot(run.t, 1e3 * errors[:, 1], color=ORANGE, linewidth=0.8)
+    axes[2].plot(run.t, 1e3 * errors[:, 1], color=VERMILION, linewidth=0.8)
     axes[2].set_ylabel("error of θ [mrad]")
-    for side, color, style, name in ((0, BLUE, "-", "left"), (1, ORANGE, "--", "right")):
+    for side, color, style, name in ((0, BLUE, "-", "left"), (1, VERMILION, "--", "right")):
         axes[3].plot(run.t, run.torque[:, side], style, color=color, linewidth=0.8, label=name)
     axes[3].set_ylabel("motor torque [N m]")
     axes[3].set_xlabel("time [s]")

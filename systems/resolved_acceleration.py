@@ -25,6 +25,17 @@ class ResolvedAcceleration(LeafSystem):
 
     No state. Numeric parameters ``KP`` [1/s^2] and ``KD`` [1/s]: (translation, rotation); ``INERTIA`` M
     and ``DAMPING`` c D, (2, 2), as the controller believes them to be; ``LEAD``: p_c [m/rev], positive.
+
+    Why it became unstable in the thesis when k_P^t != k_P^r: different gains alone do not do it, since
+    J^-1 K J, M and D share their eigenvectors and the loop splits into translation and rotation, each
+    with a limit of its own. But the gains of Table 5-1 already lie at those limits once the torque path is
+    taken as printed (0.6 ms torque filter, Appendix A; 0.5 ms torque loop, section 4.6.2): 37600 and
+    35200 1/s^2 against 35000 printed, and 48 N m/rad against 45 for PD. Raising either gain leaves the
+    stable region: 2.5 times in rotation, the ratio of the task-space PD, grows by 28 to 45 1/s (the lower
+    with k_D raised alike), where the ideal torque path of the thesis's simulation shows nothing.
+    Inverse dynamics already gives rotation 158 N m/rad, six times translation and 1.4 times TS.
+    A loop that becomes unstable because one gain is *lowered* remains unexplained, and the gains that
+    were tried are not printed. Numbers and figures: ``gapscope compare resolved-acceleration``.
     """
 
     KP, KD, INERTIA, DAMPING, LEAD = range(5)

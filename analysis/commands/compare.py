@@ -5,7 +5,10 @@ from typing import Annotated
 
 import typer
 
+from .resolved_acceleration import resolved_acceleration
+
 app = typer.Typer(help="Compare controllers of a machine.", no_args_is_help=True)
+app.command("resolved-acceleration")(resolved_acceleration)
 
 Out = Annotated[Path, typer.Option(help="Folder for the results, made if missing.")]
 

@@ -18,11 +18,6 @@ class Controller(StrEnum):
     ra = "ra"
 
 
-@app.callback()
-def _machines() -> None:
-    """Keep the machine a subcommand while there is one machine only."""
-
-
 @app.command("c-drive")
 def c_drive(
     out: Annotated[Path, typer.Option(help="Folder for logset.yaml, run1.csv and run1.png.")],

@@ -7,12 +7,14 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
-from gapscope.analysis import output, simulation
+from gapscope.analysis import files, simulation
 from gapscope.analysis.cli import app
 from gapscope.analysis.errors import InputError
+from gapscope.analysis.gap.logset import load_logset
+from gapscope.analysis.gap.machines.c_drive import read
 from gapscope.diagrams import c_drive_config
 from gapscope.diagrams.c_drive_config import CDriveLoopConfig
-from gapscope.models import c_drive, encoder
+from gapscope.models import c_drive, drive_kernels, encoder
 
 
 def simulate(*arguments):
@@ -46,6 +48,27 @@ def test_every_controller_has_a_block_that_repeats_its_gains(name):
     assert key == name
     numbers = {value for value in block.values() if isinstance(value, float)}
     assert numbers == {float(value) for value in vars(config.controller).values() if value}
+
+
+@pytest.mark.parametrize("name", sorted(c_drive_config.CONTROLLERS))
+def test_the_instrument_reads_the_log_set_and_repeats_its_commands(name, tmp_path):
+    """Replayed on the logged angles; 1e-9 rad of rounding times gains below 2e5 N m/rad."""
+    settings = CDriveLoopConfig(
+        controller=c_drive_config.CONTROLLERS[name](), motion="helical", model_error=1.05, cycles=1
+    )
+    simulation.write_c_drive_run(simulation.simulate_c_drive(settings), tmp_path)
+    _, (run,) = read(load_logset(tmp_path))
+    command = np.zeros_like(run.command)
+    drive_kernels.replay_controller(
+        run.reference,
+        run.reference_acceleration,
+        run.position,
+        run.controller,
+        run.dt,
+        drive_kernels.initial_memory(run.controller, np.zeros(2)),
+        command,
+    )
+    np.testing.assert_allclose(command, run.command, rtol=0, atol=2e-4)
 
 
 def fake_run(config):
@@ -112,11 +135,11 @@ def test_a_file_that_fails_leaves_nothing_behind(tmp_path):
         raise RuntimeError("disk on fire")
 
     with pytest.raises(RuntimeError, match="disk on fire"):
-        output.write_folder(tmp_path / "out", {"a": lambda p: p.write_text("a"), "b": fail})
+        files.write_folder(tmp_path / "out", {"a": lambda p: p.write_text("a"), "b": fail})
     assert not (tmp_path / "out").exists()
     (tmp_path / "old").mkdir()
     (tmp_path / "old" / "a").write_text("before")
     with pytest.raises(RuntimeError, match="disk on fire"):
-        output.write_folder(tmp_path / "old", {"a": lambda p: p.write_text("a"), "b": fail})
+        files.write_folder(tmp_path / "old", {"a": lambda p: p.write_text("a"), "b": fail})
     assert [p.name for p in (tmp_path / "old").iterdir()] == ["a"]
     assert (tmp_path / "old" / "a").read_text() == "before"
