@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from ..files import output_folder, write_whole
 from .attribution import Ranked, attribute
@@ -132,8 +133,12 @@ def diagnose(
 
     Raises InputError for unusable input. ``progress`` is called with a few words before each step.
     """
+    with threadpool_limits(1):  # fits run their own threads
+        return _diagnose(logset, seed, progress or (lambda text: None))
+
+
+def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnosis:
     started = time.perf_counter()
-    tell = progress or (lambda text: None)
     log = logset if isinstance(logset, LogSet) else load_logset(logset)
     tell("checking signals and clocks")
     machine, logged = read_machine(log)

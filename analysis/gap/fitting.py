@@ -21,7 +21,7 @@ from .machine import Array, FinishedPlant, Machine, RunData
 DIVERGED = 1e6  # residual, in encoder ranges, given to a prediction that is not finite
 STEP = 1e-4  # finite-difference step, in parameter scales
 SCREEN = 0.004  # a form whose linearised loss falls by less than this share is not pursued
-MOST_STEPS = 25  # of a least-squares search
+MOST_STEPS = 20  # of a least-squares search
 MOST_ROUGH_STEPS = 120  # predictions of all runs in a search without derivatives
 BLOCKS = 30  # blocks of a run whose losses are resampled together
 FOLDS = 4  # held-out pieces when there is one run only
@@ -102,10 +102,40 @@ class _Problem:
 
     def jacobian(self, x: Array) -> Array:
         """Derivatives of ``flat`` by differences that stay inside the bounds."""
+        return self.columns(x, self.flat(x), range(x.size))
+
+    def columns(self, x: Array, residual: Array, which: Sequence[int]) -> Array:
+        """Some columns of the Jacobian at ``x``, where the residual is known."""
         steps = np.where(x + self.step > self.upper, -self.step, self.step)
-        points = [x, *(x + step * unit for step, unit in zip(steps, np.eye(x.size)))]
-        columns = [_flatten(r) for r in self.runs(points)]
-        return np.column_stack([(c - columns[0]) / s for c, s in zip(columns[1:], steps)])
+        points = [x + steps[i] * unit for i, unit in zip(which, np.eye(x.size)[list(which)])]
+        moved = [_flatten(r) for r in self.runs(points)]
+        return np.column_stack([(m - residual) / steps[i] for m, i in zip(moved, which)])
+
+    def linearised(self, x: Array, parent: Fit | None) -> tuple[Array, Array]:
+        """Residual and Jacobian at ``x``; what the parent knows of this point is taken from it."""
+        if parent is None or not self.extends(parent, x):
+            residual = self.flat(x)
+            return residual, self.columns(x, residual, range(x.size))
+        new = [i for i, key in enumerate(self.keys) if key not in parent.keys]
+        jac = np.empty((parent.residual.size, x.size))
+        old = [i for i in range(x.size) if i not in new]
+        jac[:, old] = parent.jacobian[:, [parent.keys.index(self.keys[i]) for i in old]]
+        if new:
+            jac[:, new] = self.columns(x, parent.residual, new)
+        return parent.residual, jac
+
+    def extends(self, parent: Fit, x: Array) -> bool:
+        """Whether ``x`` is the parent's point with every further parameter at zero effect."""
+        known = parent.by_key()
+        if any(key not in self.keys for key in parent.keys) or self.step > STEP:
+            return False
+        neutral = {(form.effect, name) for form in self.hypothesis.forms for name in form.shapes}
+        return all(
+            np.isclose(value, known[key], rtol=1e-12, atol=0.0)
+            if key in known
+            else value == 0.0 or key in neutral
+            for key, value in zip(self.keys, self.scale * x)
+        )
 
     def inside(self, x: Array) -> Array:
         """``x`` drawn a little into the bounds, where trust-region searches start."""
@@ -116,14 +146,17 @@ class _Problem:
 def fit(predictor: Predictor, hypothesis: Hypothesis, warm: Fit | None = None) -> Fit:
     """Best parameters of a hypothesis on the predictor's runs, with held-out losses.
 
-    ``warm`` is a fit whose values are starting points where the keys agree.
+    ``warm`` is a fit whose values are starting points where the keys agree. A hypothesis whose
+    linearised residual cannot fall noticeably below that of ``warm`` is taken where the linear step
+    leads and not searched further; its losses are those of the fit runs, which can only flatter it.
     """
     problem = _Problem(predictor, hypothesis)
-    x, jac = _search(problem, warm)
+    x, jac, searched = _search(problem, warm)
     final = problem.runs([x])[0]
     span = np.minimum(problem.upper - problem.lower, 1e9)
     at_bound = (x - problem.lower < 1e-4 * span) | (problem.upper - x < 1e-4 * span)
-    losses, samples = block_losses(_held_out(problem, final, jac, x, at_bound))
+    held_out = _held_out(problem, final, jac, x, at_bound) if searched else final
+    losses, samples = block_losses(held_out)
     residual = _flatten(final)
     deviation, importance = _information(problem, jac, residual, x)
     return Fit(
@@ -139,30 +172,32 @@ def fit(predictor: Predictor, hypothesis: Hypothesis, warm: Fit | None = None) -
         held_out_rms=float(np.sqrt(losses.sum() / samples.sum())),
         importance=importance,
         converged=bool(np.mean(residual**2) < np.mean(_positions(predictor) ** 2)),
+        residual=residual,
+        jacobian=jac,
     )
 
 
-def _search(problem: _Problem, parent: Fit | None) -> tuple[Array, Array]:
-    """Best point and its Jacobian; what cannot beat its parent even if linear is not pursued."""
-    best_x, best_jac, best_cost, pursued = np.zeros(0), np.zeros((0, 0)), np.inf, False
+def _search(problem: _Problem, parent: Fit | None) -> tuple[Array, Array, bool]:
+    """Best point, its Jacobian, and whether a search led there or only a linear step."""
+    best_x, best_jac, best_cost, searched = np.zeros(0), np.zeros((0, 0)), np.inf, False
     bounds = (problem.lower, problem.upper)
     for start in _starts(problem, parent):
-        residual, jac = problem.flat(start), problem.jacobian(start)
+        residual, jac = problem.linearised(start, parent)
         step = _linear_step(jac, residual, start, bounds)
         predicted = float(np.sum((residual + jac @ step) ** 2))
         found = [(start, jac)]
         if parent is not None and predicted > (1.0 - SCREEN) * parent.rms**2 * residual.size:
             found.append((start + step, jac))
         else:
-            pursued = True
+            searched = True
             found.append(_least_squares(problem, start + 0.5 * step, residual))
         for x, at_x in found:
             cost = float(np.sum(problem.flat(x) ** 2))
             if cost < best_cost:
                 best_x, best_jac, best_cost = x, at_x, cost
-    if pursued and problem.step > STEP:
+    if searched and problem.step > STEP:
         best_x = _polished(problem, best_x)
-    return best_x, best_jac
+    return best_x, best_jac, searched
 
 
 def _least_squares(problem: _Problem, start: Array, residual: Array) -> tuple[Array, Array]:
@@ -211,8 +246,16 @@ def _simplex(problem: _Problem, x: Array) -> Array:
 
 def _linear_step(jac: Array, residual: Array, x: Array, bounds: tuple[Array, Array]) -> Array:
     """Minimiser of the linearised residual inside the bounds, as a step from ``x``."""
-    q, r = np.linalg.qr(jac)
-    solution = lsq_linear(r, -(q.T @ residual), bounds=(bounds[0] - x, bounds[1] - x))
+    if x.size == 0:
+        return np.zeros(0)
+    # The normal equations of a tall matrix, as a small square root: sums of squares are all it takes.
+    values, vectors = np.linalg.eigh(jac.T @ jac)
+    kept = values > 1e-13 * max(float(values[-1]), 1e-300)
+    root = np.sqrt(values[kept])[:, None] * vectors[:, kept].T
+    right = -(vectors[:, kept].T @ (jac.T @ residual)) / np.sqrt(values[kept])
+    if not np.any(kept):
+        return np.zeros(x.size)
+    solution = lsq_linear(root, right, bounds=(bounds[0] - x, bounds[1] - x))
     return np.clip(x + solution.x, *bounds) - x
 
 
@@ -243,7 +286,7 @@ def _starts(problem: _Problem, warm: Fit | None) -> list[Array]:
             other = base.copy()
             other[i] = value / p.scale
             candidates.append(other)
-    candidates = [problem.inside(c) for c in candidates]
+    candidates = [np.clip(c, problem.lower, problem.upper) for c in candidates]
     if len(candidates) == 1:
         return candidates
     costs = np.array([np.sum(_flatten(r) ** 2) for r in problem.runs(candidates)])

@@ -98,6 +98,8 @@ class Fit:
     held_out_rms: float  # residual on held-out fit runs [position unit]
     importance: Array  # (p,) relative rise of the fit loss without the parameter, linearised
     converged: bool
+    residual: Array  # all residuals of the fit runs in one vector
+    jacobian: Array  # (residuals, p) in the parameters' scales
 
     def by_key(self) -> dict[tuple[str, str], float]:
         """Values by key."""

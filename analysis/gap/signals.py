@@ -18,6 +18,7 @@ from .clock import replay
 from .machine import Array, Machine, RunData
 
 LARGEST_SHIFT = 8.0  # samples
+FAITHFUL = 0.01  # replay difference, relative to the rms command, that needs no explanation
 LEAST_GAIN = 0.5  # fall of the log rms replay difference worth a finding
 LARGEST_LEFT = 0.5  # of the replay difference that may stay after a finding, as a share
 HOME_COUNTS = 3.0  # encoder steps that the first reading may be away from the reference
@@ -76,6 +77,8 @@ def examine(
     home = _home_offset(machine, fit_runs)
     before = _difference(fit_runs)
     size = float(np.sqrt(np.mean(np.concatenate([r.command for r in fit_runs]) ** 2)))
+    if before < FAITHFUL * size:
+        return list(runs), findings + home
     best: tuple[float, _Candidate, Array] | None = None
     for candidate in _candidates(machine, runs[0].dt, stated_lsb or runs[0].lsb or 1e-6):
         x, after = _fit(candidate, fit_runs)

@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 from .attribution import LEAST_GAIN, Ranked
 from .signals import SignalFinding
 
-NEGLIGIBLE = 1.15  # a retuned residual below this multiple of the floor is no gap, whatever improves it
+NEGLIGIBLE = (
+    1.15  # a retuned residual below this multiple of the floor is no gap, whatever improves it
+)
 GAP_RATIO = 1.25  # nor is one below this multiple that no effect improves
 LEAST_REMOVED = 0.75  # an explanation removes this share of what lies between retuned and floor
 RIVAL_PROBABILITY = 0.05  # a rival this likely makes the choice ambiguous

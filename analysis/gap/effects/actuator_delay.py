@@ -14,7 +14,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
         dt,
         lower=0.0,
         upper=10.0 * dt,
-        starts=(0.1 * dt, 0.9 * dt, 1.5 * dt, 3.5 * dt),
+        starts=(0.0, 0.9 * dt, 1.5 * dt, 3.5 * dt),
     )
     return [
         Form(

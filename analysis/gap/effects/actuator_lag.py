@@ -9,7 +9,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
     """The same first-order lag in every actuator."""
     dt = scales.dt
     lag = parameter(
-        "time_constant", "s", dt, lower=0.0, upper=50.0 * dt, starts=(0.1 * dt, dt, 4.0 * dt)
+        "time_constant", "s", dt, lower=0.0, upper=50.0 * dt, starts=(0.0, dt, 4.0 * dt)
     )
     return [
         Form(

@@ -51,6 +51,7 @@ class Form:
     where: Callable[[Sequence[str]], dict[str, Any]]
     removable: frozenset[str] = frozenset()
     replaces: frozenset[str] = frozenset()
+    shapes: frozenset[str] = frozenset()  # parameters that matter only once others are not zero
     family: str = ""  # forms of one family describe the same contact and never act together
     refined: bool = False  # a richer version of another form, tried once that form is chosen
     price: float = 0.0  # further fall of the log residual asked of a form that is rarely the reason
@@ -77,14 +78,14 @@ def parameter(
     upper: float = np.inf,
     starts: Sequence[float] | None = None,
 ) -> Parameter:
-    """A parameter that starts from 0.02 of its scale, almost no effect, unless told otherwise."""
+    """A parameter that starts from zero, no effect, unless told otherwise."""
     return Parameter(
         name=name,
         unit=unit,
         lower=lower,
         upper=upper,
         scale=scale,
-        starts=tuple(starts) if starts is not None else (0.02 * scale,),
+        starts=tuple(starts) if starts is not None else (0.0,),
     )
 
 

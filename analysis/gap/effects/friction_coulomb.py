@@ -34,6 +34,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             parameters=(*free, shape),
             apply=law(machine, scales),
             where=at("elements", "level_"),
+            shapes=frozenset({shape.name}),
             removable=frozenset(p.name for p in free),
             family=FAMILY,
             refined=by_direction,

@@ -24,6 +24,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             parameters=(*levels, travel),
             apply=apply_bristles(machine, scales),
             where=at("elements", "level_"),
+            shapes=frozenset({"travel"}),
             removable=frozenset(p.name for p in levels),
             family=FAMILY,
             price=RARE,

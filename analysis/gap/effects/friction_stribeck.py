@@ -34,6 +34,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             parameters=(*levels, share, speed, width_parameter(machine, scales)),
             apply=apply,
             where=at("elements", "level_"),
+            shapes=frozenset({"breakaway_share", "stribeck_speed", "width"}),
             removable=frozenset(p.name for p in levels),
             family=FAMILY,
             price=RARE,

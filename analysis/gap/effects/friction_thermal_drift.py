@@ -40,6 +40,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             parameters=(viscous, level, warm_up),
             apply=apply,
             where=everywhere("elements", machine.shafts),
+            shapes=frozenset({"warm_up"}),
             removable=frozenset({"cold_viscous", "cold_level"}),
         )
     ]

@@ -1,0 +1,117 @@
+"""The instrument finds a planted effect, where it acts, and says nothing where there is nothing."""
+
+import json
+
+import pytest
+
+from gapscope.analysis.gap.diagnosis import diagnose
+from gapscope.analysis.gap.effects import Effect, catalogue, register
+from gapscope.models.drive import BACKWARD, BIAS, DELAY, FORWARD, WIDTH
+
+from .conftest import write_logset
+
+
+def coulomb_right(plant):
+    plant.element[1, [FORWARD, BACKWARD]] = 0.2
+    plant.element[1, WIDTH] = 0.3
+
+
+def bias(plant):
+    plant.shaft[:, BIAS] = 0.1, -0.1
+
+
+def delay(plant):
+    plant.shaft[:, DELAY] = 1e-3
+
+
+@pytest.mark.parametrize(
+    ("change", "effect", "where", "parameter", "value", "tolerance"),
+    [
+        # Tolerances are three times the interval's half width of a fit to this noise, rounded up.
+        (coulomb_right, "friction.coulomb", {"elements": ["right"]}, "level_right", 0.2, 2e-3),
+        (bias, "load.bias", {"joints": ["left", "right"]}, "bias_left", 0.1, 2e-3),
+        (delay, "actuator.delay", {"joints": ["left", "right"]}, "delay", 1e-3, 1e-4),
+    ],
+)
+def test_a_planted_effect_is_found_with_place_and_size(
+    tmp_path, change, effect, where, parameter, value, tolerance
+):
+    result = diagnose(write_logset(tmp_path / "set", change)).to_json()
+    assert result["verdict"] == "explained"
+    assert [e["id"] for e in result["effects"]] == [effect]
+    assert result["effects"][0]["where"] == where
+    found = result["effects"][0]["parameters"][parameter]["value"]
+    assert found == pytest.approx(value, abs=tolerance)
+    assert result["shrinkage"]["percent"] > 95.0
+    assert result["shrinkage"]["ci95"][0] > 90.0
+
+
+def test_no_gap_is_said_where_there_is_none(nominal_logset):
+    result = diagnose(nominal_logset).to_json()
+    assert (result["verdict"], result["effects"]) == ("no_gap", [])
+
+
+def test_the_contract_of_diagnosis_json(nominal_logset, tmp_path):
+    path = diagnose(nominal_logset).save(tmp_path / "out")
+    result = json.loads(path.read_text())
+    assert {"verdict", "effects", "ranking", "location", "shrinkage", "warnings"} <= set(result)
+    for name in ("signals", "joints", "regimes", "bands"):
+        assert sum(entry["share"] for entry in result["location"][name]) == pytest.approx(1.0)
+    assert {"metric", "before", "retuned", "after", "floor", "percent", "ci95"} <= set(
+        result["shrinkage"]
+    )
+    assert all({"ids", "probability", "validation_error"} <= set(r) for r in result["ranking"])
+    assert sum(r["probability"] for r in result["ranking"]) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_the_same_seed_gives_the_same_result(nominal_logset):
+    first, second = (diagnose(nominal_logset, seed=3).to_json() for _ in range(2))
+    for result in (first, second):
+        result["provenance"].pop("seconds")
+    assert first == second
+
+
+def test_registering_a_taken_effect_is_refused():
+    taken = next(iter(catalogue().values()))
+    with pytest.raises(ValueError, match=taken.id):
+        register(Effect(id=taken.id, summary="", forms=lambda machine, scales: [], signature=""))
+
+
+OPEN = {
+    "none": ("no_gap", [], None),
+    "viscous": ("explained", ["friction.viscous"], None),
+    "coulomb": ("explained", ["friction.coulomb"], {"elements": ["left", "right"]}),
+    "coulomb_left": ("explained", ["friction.coulomb"], {"elements": ["left"]}),
+    "bias": ("explained", ["load.bias"], {"joints": ["left", "right"]}),
+    "payload": ("explained", ["inertia.payload"], None),
+    "delay": ("explained", ["actuator.delay"], None),
+    "backlash": ("explained", ["transmission.backlash"], None),
+    "coulomb_and_bias": ("explained", ["friction.coulomb", "load.bias"], None),
+}
+
+
+@pytest.mark.parametrize("name", sorted(OPEN))
+def test_open_sets_of_the_independent_simulator(open_sets, name):
+    """Labels are typed in here from the sets' ``answer``, which the instrument never sees."""
+    verdict, ids, where = OPEN[name]
+    result = diagnose(open_sets / name).to_json()
+    assert result["verdict"] == verdict
+    assert sorted(e["id"] for e in result["effects"]) == ids
+    if where:
+        assert result["effects"][0]["where"] == where
+    if ids:
+        assert result["shrinkage"]["percent"] > (60.0 if name == "backlash" else 98.0)
+
+
+def test_emps_dry_friction_and_offset(shared_data):
+    """Measured: Coulomb friction and offset near the published fit (Janot et al. 2019)."""
+    result = diagnose(shared_data / "emps").to_json()
+    effects = {e["id"]: e["parameters"] for e in result["effects"]}
+    assert set(effects) == {"friction.coulomb", "load.bias"}
+    assert effects["friction.coulomb"]["level_axis"]["value"] == pytest.approx(20.39, rel=0.05)
+    assert effects["load.bias"]["bias_axis"]["value"] == pytest.approx(-3.16, rel=0.05)
+    loops = result["shrinkage"]["closed_loop"]
+    assert (
+        loops["after"]["relative_command_error"] < 0.059 < loops["before"]["relative_command_error"]
+    )
+    assert result["shrinkage"]["ci95"][0] > 85.0
