@@ -15,6 +15,8 @@ def diagnose(
     """Diagnose the gap between a log set and its nominal model."""
     from rich.console import Console
 
+    if logset == "thesis-c-drive":
+        return _thesis(out, seed, quiet)
     from ..gap.diagnosis import diagnose as run
     from ..gap.terminal import print_diagnosis
 
@@ -24,3 +26,19 @@ def diagnose(
     result.save(out)
     if not quiet:
         print_diagnosis(Console(), result)
+
+
+def _thesis(out: Path, seed: int, quiet: bool) -> None:
+    """The printed experiment of the thesis, from its tables."""
+    from rich.console import Console
+
+    from ..gap.thesis.diagnosis import diagnose_thesis
+    from ..gap.thesis.terminal import print_thesis
+
+    with Console(stderr=True, quiet=quiet).status("reading") as status:
+        result = diagnose_thesis(seed=seed, progress=lambda text: status.update(text))
+    paths = result.save(out)
+    if not quiet:
+        print_thesis(Console(), result)
+        for path in paths:
+            typer.echo(path)
