@@ -16,11 +16,14 @@ def diagnose(
     from rich.console import Console
 
     from ..gap.diagnosis import diagnose as run
+    from ..gap.report import write_report
     from ..gap.terminal import print_diagnosis
 
     console = Console(stderr=True, quiet=quiet)
     with console.status("reading") as status:
         result = run(logset, seed=seed, progress=lambda text: status.update(text))
     result.save(out)
+    report = write_report(result, out)
     if not quiet:
         print_diagnosis(Console(), result)
+        Console().print(f"report: {report}", highlight=False, markup=False, soft_wrap=True)
