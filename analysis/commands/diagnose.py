@@ -8,27 +8,36 @@ import typer
 
 def diagnose(
     logset: Annotated[str, typer.Argument(help="A log set folder, or `thesis-c-drive`.")],
-    out: Annotated[Path, typer.Option(help="Folder for diagnosis.json and report.html.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for diagnosis.json and report.html; default out/NAME."),
+    ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the bootstrap.")] = 0,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, no table.")] = False,
 ) -> None:
     """Diagnose the gap between a log set and its nominal model."""
+    folder = out or Path("out") / (Path(logset).resolve().name or "diagnosis")
+    paths = (_thesis if logset == "thesis-c-drive" else _logset)(logset, folder, seed, quiet)
+    if not quiet:
+        for path in paths:
+            typer.echo(path)
+
+
+def _logset(logset: str, out: Path, seed: int, quiet: bool) -> list[Path]:
     from rich.console import Console
 
-    if logset == "thesis-c-drive":
-        return _thesis(out, seed, quiet)
-    from ..gap.diagnosis import diagnose as run
+    from ..gap.diagnosis import diagnose
+    from ..gap.report import write_report
     from ..gap.terminal import print_diagnosis
 
-    console = Console(stderr=True, quiet=quiet)
-    with console.status("reading") as status:
-        result = run(logset, seed=seed, progress=lambda text: status.update(text))
-    result.save(out)
+    with Console(stderr=True, quiet=quiet).status("reading") as status:
+        result = diagnose(logset, seed=seed, progress=status.update)
     if not quiet:
         print_diagnosis(Console(), result)
+    return [result.save(out), write_report(result, out)]
 
 
-def _thesis(out: Path, seed: int, quiet: bool) -> None:
+def _thesis(name: str, out: Path, seed: int, quiet: bool) -> list[Path]:
     """The printed experiment of the thesis, from its tables."""
     from rich.console import Console
 
@@ -36,9 +45,7 @@ def _thesis(out: Path, seed: int, quiet: bool) -> None:
     from ..gap.thesis.terminal import print_thesis
 
     with Console(stderr=True, quiet=quiet).status("reading") as status:
-        result = diagnose_thesis(seed=seed, progress=lambda text: status.update(text))
-    paths = result.save(out)
+        result = diagnose_thesis(seed=seed, progress=status.update)
     if not quiet:
         print_thesis(Console(), result)
-        for path in paths:
-            typer.echo(path)
+    return list(result.save(out))

@@ -20,7 +20,6 @@ class Controller(StrEnum):
 
 @app.command("c-drive")
 def c_drive(
-    out: Annotated[Path, typer.Option(help="Folder for logset.yaml, run1.csv and run1.png.")],
     controller: Annotated[
         Controller | None,
         typer.Option(help="PD, task-space PD, computed torque or resolved acceleration."),
@@ -33,6 +32,9 @@ def c_drive(
     config: Annotated[
         Path | None, typer.Option(help="YAML file of settings; options win over it.")
     ] = None,
+    out: Annotated[
+        Path, typer.Option(help="Folder for logset.yaml, run1.csv and run1.png.")
+    ] = Path("out/simulate-c-drive"),
 ) -> None:
     """Simulate the C-drive's loop on Drake: encoder, controller, amplifier, plant."""
     from ...diagrams import c_drive_config

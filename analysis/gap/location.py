@@ -5,6 +5,7 @@ torque or force that would cause it. Shares of one list sum to 1.
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,15 @@ from ...models.drive_kernels import correction_gains
 from .machine import Array, Machine, RunData
 
 BANDS_HZ = (0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, np.inf)
+BANDS: tuple[dict[str, Any], ...] = tuple(
+    {
+        "name": f"{low:g}-{high:g} Hz" if np.isfinite(high) else f"above {low:g} Hz",
+        "low_Hz": low,
+        "high_Hz": high if np.isfinite(high) else None,
+    }
+    for low, high in pairwise(BANDS_HZ)
+)
+REGIMES = ("at rest", "after reversal", "slow", "fast", "accelerating", "braking")
 AFTER_REVERSAL = 0.02  # s
 RESAMPLES = 400
 BLOCKS = 20  # per run
@@ -40,21 +50,24 @@ def locate(
     rows = machine.task_map / np.linalg.norm(machine.task_map, axis=1, keepdims=True)
     task = _shares(machine.task, [(e @ rows.T) ** 2 for e in efforts], rng)
     signals = _shares([f"{s} position" for s in machine.shafts], [r**2 for r in residuals], rng)
+    by_regime = _by_regime(runs, efforts)
+    by_band = _by_band(runs, efforts)
     return {
         "signals": signals,
         "joints": joints,
         "task": task,
-        "regimes": _regimes(runs, efforts, machine, rng),
-        "bands": _bands(runs, efforts),
+        "regimes": _shares(REGIMES, [e.sum(axis=1) for e in by_regime], rng),
+        "bands": [{**band, "share": share} for band, share in zip(BANDS, by_band.sum(axis=0))],
         "runs": _of_runs(runs, efforts),
+        "joint_regimes": _table(
+            "regime", machine.shafts, REGIMES, np.sum([e.sum(axis=0) for e in by_regime], axis=0)
+        ),
+        "joint_bands": _table("band", machine.shafts, [b["name"] for b in BANDS], by_band),
     }
 
 
-def _regimes(
-    runs: Sequence[RunData], efforts: Sequence[Array], machine: Machine, rng: Any
-) -> list[dict[str, Any]]:
-    """Exclusive regimes of each joint's motion, by the reference."""
-    names = ("at rest", "after reversal", "slow", "fast", "accelerating", "braking")
+def _by_regime(runs: Sequence[RunData], efforts: Sequence[Array]) -> list[Array]:
+    """Energies (samples, joints, regimes) of exclusive regimes of each joint's reference."""
     peak = max(float(np.max(np.abs(run.reference_rate))) for run in runs) or 1.0
     energies = []
     for run, effort in zip(runs, efforts):
@@ -69,8 +82,8 @@ def _regimes(
         masks += [moving & ~strong & (np.abs(rate) < 0.3 * peak)]
         masks += [moving & ~strong & (np.abs(rate) >= 0.3 * peak)]
         masks += [moving & strong & (power >= 0.0), moving & strong & (power < 0.0)]
-        energies.append(np.column_stack([np.sum(mask * effort**2, axis=1) for mask in masks]))
-    return _shares(names, energies, rng)
+        energies.append(np.stack([mask * effort**2 for mask in masks], axis=2))
+    return energies
 
 
 def _since_reversal(rate: Array, dt: float) -> Array:
@@ -86,19 +99,28 @@ def _since_reversal(rate: Array, dt: float) -> Array:
     return since
 
 
-def _bands(runs: Sequence[RunData], efforts: Sequence[Array]) -> list[dict[str, Any]]:
-    energy = np.zeros(len(BANDS_HZ) - 1)
+def _by_band(runs: Sequence[RunData], efforts: Sequence[Array]) -> Array:
+    """Shares (joints, bands) of the energy of all runs."""
+    energy = np.zeros((efforts[0].shape[1], len(BANDS)))
     for run, effort in zip(runs, efforts):
-        spectrum = np.sum(np.abs(np.fft.rfft(effort, axis=0)) ** 2, axis=1)
+        spectrum = np.abs(np.fft.rfft(effort, axis=0)) ** 2 / len(effort)
         spectrum[1:] *= 2.0
         frequency = np.fft.rfftfreq(len(effort), run.dt)
-        energy += np.histogram(frequency, BANDS_HZ, weights=spectrum / len(effort))[0]
-    total = energy.sum() or 1.0
+        for j, column in enumerate(spectrum.T):
+            energy[j] += np.histogram(frequency, BANDS_HZ, weights=column)[0]
+    return energy / (energy.sum() or 1.0)
+
+
+def _table(
+    across: str, joints: Sequence[str], names: Sequence[str], energy: Array
+) -> list[dict[str, Any]]:
+    """Shares of energies (joints, names), one entry a cell."""
+    shares = energy / (energy.sum() or 1.0)
     return [
-        {"name": f"{low:g}-{high:g} Hz" if np.isfinite(high) else f"above {low:g} Hz",
-         "low_Hz": low, "high_Hz": high if np.isfinite(high) else None, "share": e / total}
-        for low, high, e in zip(BANDS_HZ[:-1], BANDS_HZ[1:], energy)
-    ]  # fmt: skip
+        {"joint": joint, across: name, "share": float(share)}
+        for joint, row in zip(joints, shares)
+        for name, share in zip(names, row)
+    ]
 
 
 def _of_runs(runs: Sequence[RunData], efforts: Sequence[Array]) -> list[dict[str, Any]]:

@@ -1,0 +1,182 @@
+"""The verdict and how sure it is, in words, with the numbers that carry it."""
+
+from typing import Any
+
+from ..attribution import RESAMPLES, Ranked
+from ..diagnosis import SIGNAL_PROBABILITY, Diagnosis
+from ..verdict import LEAST_REMOVED
+from .base import Material, Section
+from .words import confidence, listed, meaning, number, percent, place, places
+
+TITLES = {
+    "explained": "Explained",
+    "no_gap": "No gap",
+    "unexplained": "Unexplained",
+    "ambiguous": "Ambiguous",
+}
+
+
+def context(material: Material) -> dict[str, Any]:
+    """Headline, confidence, one sentence each on how far and where, and the numbers in front."""
+    d = material.diagnosis
+    return {
+        "kind": d.verdict.verdict,
+        "title": TITLES[d.verdict.verdict],
+        "headline": _headline(d),
+        "effects": _effects(d),
+        "confidence": _confidence(d),
+        "how_far": _how_far(d),
+        "where": _where(d),
+        "reason": d.verdict.reason,
+        "figures": _figures(d),
+    }
+
+
+def _named(ranked: Ranked, d: Diagnosis) -> str:
+    names = []
+    for form in ranked.fit.hypothesis.forms:
+        at = places(ranked, form.effect, d.machine)
+        names.append(f"{form.effect} at {at}" if at else form.effect)
+    return listed(names)
+
+
+def _headline(d: Diagnosis) -> str:
+    found = listed(f"{f.effect} ({f.form})" for f in d.findings)
+    accepted = d.verdict.accepted
+    if d.verdict.verdict == "no_gap":
+        return (
+            "The nominal model predicts this machine as well as its measurements can tell: "
+            "there is no gap to explain."
+        )
+    if d.verdict.verdict == "unexplained":
+        start = f"Beside {found} in the log itself, there" if found else "There"
+        return f"{start} is a gap that no effect of the catalogue explains."
+    if accepted is None:
+        return f"The gap lies in the log, not in the machine: {found}."
+    start = f"Beside {found} in the log itself, the" if found else "The"
+    if d.verdict.verdict == "ambiguous":
+        names = listed((_named(r, d) for r in (accepted, *d.verdict.rivals)), "or")
+        return f"{start} gap comes from {names}; these data cannot tell which."
+    return f"{start} gap comes from {_named(accepted, d)}."
+
+
+def _effects(d: Diagnosis) -> list[dict[str, str]]:
+    """Every effect of the headline with its meaning and probability."""
+    rows = [
+        {
+            "id": f.effect,
+            "meaning": f.form,
+            "place": place(f.where, d.machine),
+            "probability": f"at least {percent(SIGNAL_PROBABILITY)}",
+        }
+        for f in d.findings
+    ]
+    accepted = d.verdict.accepted
+    seen: set[str] = set()
+    for ranked in () if accepted is None else (accepted, *d.verdict.rivals):
+        for effect in ranked.fit.hypothesis.ids:
+            if effect not in seen:
+                seen.add(effect)
+                rows.append(
+                    {
+                        "id": effect,
+                        "meaning": meaning(effect),
+                        "place": places(ranked, effect, d.machine),
+                        "probability": percent(d.probability(effect), 1),
+                    }
+                )
+    return rows
+
+
+def _confidence(d: Diagnosis) -> str:
+    best = d.verdict.accepted or d.ranking[0]
+    wins = f"{percent(best.probability, 1)} of {RESAMPLES} resamplings of the held-out data"
+    if d.verdict.verdict == "explained" and d.verdict.accepted is None:
+        return "Confidence: very high. The stated controller's own law gives it away."
+    if d.verdict.verdict == "explained":
+        return (
+            f"Confidence: {confidence(best.probability)}. This explanation wins in {wins}. That "
+            "weighs it against every other hypothesis tried, not against effects outside the catalogue."
+        )
+    if d.verdict.verdict == "ambiguous":
+        shares = [
+            f"{r.fit.hypothesis.label} wins in {percent(r.probability, 1)}"
+            for r in (best, *d.verdict.rivals)
+        ]
+        return f"Confidence in one of them: low. {listed(shares)} of {RESAMPLES} resamplings."
+    if d.verdict.verdict == "no_gap":
+        plain = next(r for r in d.ranking if not r.fit.hypothesis.forms)
+        ratio = plain.fit.held_out_rms / d.floor
+        return (
+            f"The retuned model's error is {number(ratio)} times the noise floor. Effects too small to "
+            "rise above that floor cannot be excluded."
+        )
+    removed = d.verdict.removed
+    return (
+        f"The best hypothesis tried, {d.ranking[0].fit.hypothesis.label}, removes "
+        f"{percent(max(removed, 0.0)) if removed is not None else 'none'} of the gap; "
+        f"{percent(LEAST_REMOVED)} are asked before it is believed."
+    )
+
+
+def _how_far(d: Diagnosis) -> str:
+    s, unit = d.shrinkage, d.machine.effort_unit
+    start = "On held-out runs the rms unexplained effort "
+    if s.percent is None or s.ci95 is None:
+        return (
+            f"{start}of the nominal model is {number(s.before, unit)}, at the noise floor of "
+            f"{number(s.floor, unit)}."
+        )
+    ends = f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f} %"
+    verb = "falls" if s.after < s.before else "goes"
+    model = "with it in the model" if d.verdict.accepted or d.findings else "by retuning alone"
+    return (
+        f"{start}{verb} from {number(s.before, unit)} to {number(s.after, unit)} {model}; the noise "
+        f"floor is {number(s.floor, unit)}. That removes {s.percent:.1f} % of the gap ({ends})."
+    )
+
+
+def _where(d: Diagnosis) -> str:
+    if d.verdict.verdict == "no_gap":
+        return ""
+    parts = []
+    for key, words in (("joints", "on {}"), ("regimes", "while {}"), ("bands", "in {}")):
+        rows = d.location.get(key, [])
+        if len(rows) > 1:
+            top = max(rows, key=lambda row: row["share"])
+            name = (
+                f"in the regime “{top['name']}”" if key == "regimes" else words.format(top["name"])
+            )
+            parts.append(f"{percent(top['share'])} {name}")
+    return f"Where it lies: {listed(parts)}." if parts else ""
+
+
+def _figures(d: Diagnosis) -> list[dict[str, str]]:
+    s, unit = d.shrinkage, d.machine.effort_unit
+    plain = next(r for r in d.ranking if not r.fit.hypothesis.forms)
+    gone = {
+        "label": "times the noise floor",
+        "value": number(plain.fit.held_out_rms / d.floor),
+        "note": "error of the retuned model",
+    }
+    if s.percent is not None and s.ci95 is not None:
+        gone = {
+            "label": "of the gap removed",
+            "value": f"{s.percent:.0f} %",
+            "note": f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f} %",
+        }
+    relative = [100.0 * v / s.relative_to_command for v in (s.before, s.after, s.floor)]
+    return [
+        gone,
+        *(
+            {"label": label, "value": number(value, unit), "note": f"{share:.1f} % of the command"}
+            for label, value, share in zip(
+                ("unexplained before", "unexplained after", "noise floor"),
+                (s.before, s.after, s.floor),
+                relative,
+            )
+        ),
+    ]
+
+
+SECTION = Section(key="verdict", title="Verdict", context=context)

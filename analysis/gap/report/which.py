@@ -1,0 +1,147 @@
+"""Which effects: the ranking with its evidence, why the others lost, and the fitted parameters."""
+
+import math
+from typing import Any
+
+from ..attribution import Ranked
+from ..diagnosis import Diagnosis
+from ..hypothesis import Fit, price
+from .base import Material, Section
+from .words import digits_of, interval, listed, number, percent, signature
+
+SHOWN = 8  # hypotheses before the fold
+CLOSE = 0.02  # relative difference of held-out errors called the same
+CHANCE = 0.05  # probability from which a loser is said to win sometimes
+
+
+def context(material: Material) -> dict[str, Any]:
+    """Rows of the ranking and tables of parameters."""
+    d = material.diagnosis
+    plain = next(r for r in d.ranking if not r.fit.hypothesis.forms)
+    winner = d.verdict.accepted or (plain if d.verdict.verdict == "no_gap" else d.ranking[0])
+    rows = [_row(r, i, winner, d) for i, r in enumerate(d.ranking, start=1)]
+    rivals = [r for r in d.ranking if r is not winner]
+    return {
+        "unit": d.machine.position_unit,
+        "believed": d.verdict.accepted is not None or d.verdict.verdict == "no_gap",
+        "winner": winner.fit.hypothesis.label,
+        "runner_up": rivals[0].fit.hypothesis.label if rivals else "",
+        "why": why_not(rivals[0], winner) if rivals else "",
+        "signatures": [(i, signature(i)) for i in winner.fit.hypothesis.ids],
+        "shown": rows[:SHOWN],
+        "folded": rows[SHOWN:],
+        "parameters": [_parameters(r, d) for r in _fitted(d, winner)],
+        "findings": [
+            (f.effect, f.form, f.evidence, _values(f.parameters)) for f in d.findings
+        ],
+        "own": _own(d),
+    }  # fmt: skip
+
+
+def why_not(rival: Ranked, winner: Ranked) -> str:
+    """Why the rival stands behind the winner, in words."""
+    mine, its = winner.fit.hypothesis, rival.fit.hypothesis
+    ratio = rival.fit.held_out_rms / winner.fit.held_out_rms
+    extra = [i for i in its.ids if i not in mine.ids]
+    missing = [i for i in mine.ids if i not in its.ids]
+    if extra and not missing:
+        start = f"it adds {listed(extra)}, and"
+    elif missing and not extra:
+        start = f"it lacks {listed(missing)}, and"
+    else:
+        start = "its"
+    error = "held-out error" if start == "its" else "the held-out error"
+    if ratio > 1.0 + CLOSE:
+        words = f"{start} {error} is {number(ratio)} times as large"
+    elif ratio > 1.0:
+        words = f"{start} {error} is no smaller"
+    else:
+        asked = 1.0 - math.exp(price(mine) - price(its))
+        words = f"{start} {error} is only {percent(1.0 - ratio, 1)} smaller"
+        if asked > 1.0 - ratio:
+            words += f"; its freedom must bring {percent(asked, 1)}"
+    if rival.probability > CHANCE:
+        words += f"; even so it wins in {percent(rival.probability)} of the resamplings"
+    return words
+
+
+def _row(ranked: Ranked, place: int, winner: Ranked, d: Diagnosis) -> dict[str, Any]:
+    hypothesis = ranked.fit.hypothesis
+    return {
+        "place": place,
+        "label": hypothesis.label,
+        "won": ranked is winner,
+        "probability": percent(ranked.probability, 1),
+        "share": 100.0 * ranked.probability,
+        "held_out": number(ranked.fit.held_out_rms),
+        "validation": number(d.validation[frozenset(hypothesis.ids)]),
+        "gain": number(math.exp(ranked.gain)),
+        "gain_interval": interval([math.exp(end) for end in ranked.gain_interval]),
+        "parameters": hypothesis.size,
+        "why": "" if ranked is winner else why_not(ranked, winner),
+    }
+
+
+def _fitted(d: Diagnosis, winner: Ranked) -> list[Ranked]:
+    """Hypotheses whose parameters are worth showing."""
+    shown = (winner, *(r for r in d.verdict.rivals if r is not winner))
+    return [r for r in shown if r.fit.hypothesis.forms]
+
+
+def _parameters(ranked: Ranked, d: Diagnosis) -> dict[str, Any]:
+    return {
+        "label": ranked.fit.hypothesis.label,
+        "rows": [row for key, row in _values_of(ranked.fit) if key[0]],
+    }
+
+
+def _values_of(fit: Fit) -> list[tuple[tuple[str, str], dict[str, Any]]]:
+    rows = []
+    for key, unit, value, sd, bound in zip(
+        fit.keys, fit.units, fit.values, fit.deviation, fit.at_bound
+    ):
+        half = 1.96 * float(sd)
+        row = {
+            "effect": key[0],
+            "name": key[1],
+            "value": number(float(value), unit, digits_of(float(value), half)),
+            "interval": interval((value - half, value + half), unit),
+            "at_bound": bool(bound),
+        }
+        rows.append((key, row))
+    return rows
+
+
+def _values(parameters: dict[str, dict[str, Any]]) -> str:
+    return ", ".join(
+        f"{name} {number(float(p['value']), str(p.get('unit', '')))}"
+        for name, p in parameters.items()
+    )
+
+
+def _own(d: Diagnosis) -> list[dict[str, Any]]:
+    """The machine's own parameters: nominal, retuned alone and beside the accepted effects."""
+    chosen = dict(_values_of(d.chosen))
+    retuned = dict(_values_of(d.retuned))
+    rows = []
+    for p in d.machine.own:
+        alone, beside = retuned.get(("", p.name)), chosen.get(("", p.name))
+        rows.append(
+            {
+                "name": p.name,
+                "nominal": number(p.starts[0], p.unit),
+                "tolerance": interval((p.lower, p.upper)),
+                "retuned": _marked(alone),
+                "chosen": _marked(beside) if beside else "held: an effect takes its place",
+            }
+        )
+    return rows
+
+
+def _marked(row: dict[str, Any] | None) -> str:
+    if row is None:
+        return "–"
+    return f"{row['value']} (at its bound)" if row["at_bound"] else str(row["value"])
+
+
+SECTION = Section(key="which", title="Which effect causes it", context=context)
