@@ -192,10 +192,7 @@ def drive_friction(carriage_rate: Scalar, angle_rate: Scalar, c: Constants) -> A
 
 
 def _element(speed: Scalar, coefficient: Scalar, level: Scalar, width: Scalar) -> Scalar:
-    force = friction.viscous(speed, coefficient, 0.0)
-    if level == 0.0:
-        return force
-    return force + level * friction.smooth_sign(speed, width)
+    return friction.viscous(speed, coefficient, 0.0) + level * friction.smooth_sign(speed, width)
 
 
 def acceleration(w: Any, w_rate: Any, force: Any, c: Constants) -> Any:

@@ -1,5 +1,6 @@
 """Compiled closed loop of the PepperMill-Carrier: controller every sample, ODE4 steps between."""
 
+import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -186,16 +187,16 @@ def joint_forces(torque: Any, motor_map: Any) -> Any:
     )
 
 
-def read_encoders(joints: Any, loop: Controller, lsb: float, psi: Any) -> None:
+def read_encoders(joints: Any, motor_map: Any, home: Any, lsb: float, psi: Any) -> None:
     """Motor angles ``psi`` (4,) from home, as the encoders read them."""
     for i in range(4):
         angle = 0.0
         for j in range(4):
-            angle += loop.motor_map[i, j] * (joints[j] - loop.home[j])
+            angle += motor_map[i, j] * (joints[j] - home[j])
         psi[i] = encoder.read(angle, lsb)
 
 
-compilation.register_laws(__import__("sys").modules[__name__])
+compilation.register_laws(sys.modules[__name__])
 
 
 @compilation.kernel
@@ -224,7 +225,7 @@ def simulate(
     for k in range(samples):
         for i in range(4):
             joints[k, i], rates[k, i] = w[i], v[i]
-        read_encoders(joints[k], loop, lsb, measured[k])
+        read_encoders(joints[k], loop.motor_map, loop.home, lsb, measured[k])
         if k == 0:
             control.wake_up(measured[0], loop, memory)
         target = Target(reference[k], joint_acceleration[k], poses[k], pose_acceleration[k])
