@@ -82,11 +82,11 @@ def simulate(
 def compare(out: Out) -> None:
     """PepperMill-Carrier: four controllers on two cycles, with and without the counterweight.
 
-    Writes comparison.json, comparison.md and comparison.png.
+    Writes comparison.json, comparison.md, comparison.png and prototype.png.
     """
     from ..pmc import comparison
 
     result = comparison.compare()
     comparison.write(result, out)
     typer.echo(comparison.finding(result))
-    typer.echo(f"wrote {out / 'comparison.json'}, comparison.md, comparison.png")
+    typer.echo(f"wrote {out / 'comparison.json'}, comparison.md, comparison.png, prototype.png")

@@ -21,7 +21,7 @@ from ...models.pmc import simulation
 from ...models.pmc.controllers import CONTROLLERS
 from ...models.pmc.simulation import Run
 from ..files import output_folder, write_whole
-from . import statics
+from . import prototype, statics
 
 Floats = NDArray[np.float64]
 CYCLES = 3
@@ -55,6 +55,7 @@ class Comparison:
 
     rows: list[Row]
     holding: statics.Holding
+    flaws: prototype.PrototypeStudy
     runs: dict[tuple[str, str, bool], Run]
 
     def value(self, controller: str, cycle: str, counterweight: bool, metric: str) -> float | None:
@@ -78,7 +79,14 @@ def compare() -> Comparison:
         for (name, cycle, weight), run in runs.items()
         for metric, value in metrics(run).items()
     ]
-    return Comparison(rows=rows, holding=statics.holding(PMCLoopConfig().machine()), runs=runs)
+    config = PMCLoopConfig()
+    machine = config.machine()
+    return Comparison(
+        rows=rows,
+        holding=statics.holding(machine),
+        flaws=prototype.study(machine, config.motion(machine).placement),
+        runs=runs,
+    )
 
 
 def metrics(run: Run) -> dict[str, float | None]:
@@ -102,13 +110,14 @@ def metrics(run: Run) -> dict[str, float | None]:
 
 
 def write(result: Comparison, out: Path) -> None:
-    """Write ``comparison.json``, ``comparison.md`` and ``comparison.png``."""
-    from . import comparison_plot
+    """Write ``comparison.json``, ``comparison.md``, ``comparison.png`` and ``prototype.png``."""
+    from . import comparison_plot, prototype_plot
 
     folder = output_folder(out)
     write_whole(folder / "comparison.json", dumps(result))
     write_whole(folder / "comparison.md", markdown(result))
     write_whole(folder / "comparison.png", comparison_plot.png(result))
+    write_whole(folder / "prototype.png", prototype_plot.png(result.flaws))
 
 
 def dumps(result: Comparison) -> str:
@@ -119,6 +128,7 @@ def dumps(result: Comparison) -> str:
         "rows": [asdict(row) for row in result.rows],
         "counterweight": asdict(result.holding),
         "finding": finding(result),
+        "prototype": prototype.findings(result.flaws),
     }
     return json.dumps(content, indent=1, allow_nan=False) + "\n"
 

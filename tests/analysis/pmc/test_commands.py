@@ -83,6 +83,7 @@ def test_comparison_has_every_row(compared):
         "comparison.json",
         "comparison.md",
         "comparison.png",
+        "prototype.png",
     }
     values = {
         (r["controller"], r["cycle"], r["counterweight"], r["metric"]): r["value"]
@@ -103,3 +104,13 @@ def test_counterweight_finding(compared):
     assert held["held_share"]["with"][str(limit)] == 1.0
     assert held["held_share"]["without"][str(limit)] < 0.5
     assert held["needs_counterweight"] > 0.4
+
+
+def test_flaws_of_the_prototype_hit_the_rotation_hardest(compared):
+    """Section 5.2.2, as shares of the motion asked; a drive error turns the PM most at the isotropic height."""
+    flaws = json.loads((compared / "comparison.json").read_text())["prototype"]
+    for row in flaws["industry_cycle_shares"]:
+        assert row["rotation"] > 2.0 * max(row["across"], row["up"])
+    peaks = flaws["peak_heights_m"]
+    assert peaks["per_drive_error"] == pytest.approx(-0.3, abs=0.02)
+    assert peaks["by_links"] == pytest.approx(-0.3, abs=0.02)
