@@ -114,3 +114,4 @@ def test_flaws_of_the_prototype_hit_the_rotation_hardest(compared):
     peaks = flaws["peak_heights_m"]
     assert peaks["per_drive_error"] == pytest.approx(-0.3, abs=0.02)
     assert peaks["by_links"] == pytest.approx(-0.3, abs=0.02)
+    assert peaks["by_joints"] is None
