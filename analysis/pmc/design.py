@@ -32,7 +32,7 @@ BOUNDS = {
     "spacing": (0.15, 0.30),  # [m]
     "lead": (0.005, 0.040),  # [m/rev]
 }
-WEIGHTS = (0.1, 0.3, 0.5, 0.7, 0.9)
+WEIGHTS = (0.35, 0.45, 0.55, 0.65, 0.75, 0.85)
 # Heights and positions a side at which a design is judged.
 CELLS = 15
 
