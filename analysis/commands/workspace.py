@@ -18,6 +18,9 @@ def pmc(
     out: Annotated[Path, typer.Option(help="Folder for workspace.json, figures and 3-D page.")],
     grid: Annotated[int, typer.Option(min=2, help="Optimisations a side of each surface.")] = 13,
     workers: Annotated[int, typer.Option(min=1, help="Processes that share the grid.")] = 1,
+    design: Annotated[
+        bool, typer.Option(help="Optimise the dimensions, too (minutes): design.json and .png.")
+    ] = False,
 ) -> None:
     """PepperMill-Carrier: reachable workspace, rotatability, largest bodies, industry cycle.
 
@@ -42,8 +45,24 @@ def pmc(
     write_whole(folder / "workspace.json", workspace.dumps(result))
     write_whole(folder / "workspace.html", workspace_page.page(result))
     workspace_plots.draw_all(result, folder)
+    if design:
+        _optimise_design(folder)
     _print_summary(workspace.findings(result))
     typer.echo(f"wrote {folder / 'workspace.json'}, workspace.html and figures")
+
+
+def _optimise_design(folder: Path) -> None:
+    import json
+
+    from ...models.pmc.parameters import PMCParameters
+    from ..files import write_whole
+    from ..pmc import design as study
+    from ..pmc import design_plot
+
+    result = study.optimise(PMCParameters())
+    text = json.dumps(study.findings(result), indent=1, allow_nan=False)
+    write_whole(folder / "design.json", text + "\n")
+    write_whole(folder / "design.png", design_plot.png(result))
 
 
 def _print_summary(found: dict) -> None:

@@ -1,8 +1,12 @@
 """Constants of the equations of motion from the parameters of the PepperMill-Carrier."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from ..c_drive import collar_pose, motor_angles
+from .displacement import Dimensions
 from .dynamics import Constants
 from .parameters import PMCParameters
 
@@ -63,3 +67,14 @@ def motor_map(lead: float) -> np.ndarray:
             np.column_stack([zero, one[:, 0], zero, one[:, 1]]),
         ]
     )
+
+
+def to_vector(c: Constants) -> np.ndarray:
+    """All constants as one vector, dimensions first."""
+    return np.array([*c.dimensions, *c[1:]], dtype=float)
+
+
+def from_vector(values: Sequence[Any]) -> Constants:
+    """The constants that :func:`to_vector` flattened; entries may be AutoDiffXd or Expressions."""
+    n = len(Dimensions._fields)
+    return Constants(Dimensions(*values[:n]), *values[n:])

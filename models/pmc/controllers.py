@@ -55,12 +55,12 @@ class ComputedTorque:
 class ResolvedAcceleration:
     """Resolved acceleration in the pose; gains are our choice.
 
-    Critically damped at 50 rad/s in translation, where the encoders are fine, and at 20 rad/s in rotation.
+    Critically damped at 30 rad/s in translation and, for the coarse rotation, at 20 rad/s.
     """
 
-    kp_translation: float = 2500.0  # [1/s^2]
+    kp_translation: float = 900.0  # [1/s^2]
     kp_rotation: float = 400.0  # [1/s^2]
-    kd_translation: float = 100.0  # [1/s]
+    kd_translation: float = 60.0  # [1/s]
     kd_rotation: float = 40.0  # [1/s]
     cutoff: float = 150.0  # N [rad/s]
 

@@ -192,10 +192,7 @@ def drive_friction(carriage_rate: Scalar, angle_rate: Scalar, c: Constants) -> A
 
 
 def _element(speed: Scalar, coefficient: Scalar, level: Scalar, width: Scalar) -> Scalar:
-    force = friction.viscous(speed, coefficient, 0.0)
-    if level == 0.0:
-        return force
-    return force + level * friction.smooth_sign(speed, width)
+    return friction.viscous(speed, coefficient, 0.0) + level * friction.smooth_sign(speed, width)
 
 
 def acceleration(w: Any, w_rate: Any, force: Any, c: Constants) -> Any:
@@ -257,6 +254,29 @@ def rope_tension(w: Any, w_rate: Any, w_acceleration: Any, c: Constants) -> Scal
     (ux, uy, uz), pull, drift = rope_terms((w[0], w[1], z), (w_rate[0], w_rate[1], z_rate), c)
     second = drift + ux * a + uy * b + uz * z_second
     return pull + c.rope_mass * second
+
+
+def wrist_loads(w: Any, w_rate: Any, w_acceleration: Any, c: Constants) -> Any:
+    """Vertical forces (1, 2) that the limbs exert on wrists and PM [N]."""
+    one = limb_terms(w[2], w[1], w_rate[2], w_rate[1], c)
+    two = limb_terms(0.5 * np.pi - w[3], w[0], -w_rate[3], w_rate[0], c)
+    a, b, e, f = w_acceleration
+    z1, z2, z3, z4, z_drift = mill_terms(one, two, c)[0]
+    f1, f2, f3, f4, phi_drift = mill_terms(one, two, c)[1]
+    z_second = z1 * a + z2 * b + z3 * e + z4 * f + z_drift
+    phi_second = f1 * a + f2 * b + f3 * e + f4 * f + phi_drift
+    phi_rate = f1 * w_rate[0] + f2 * w_rate[1] + f3 * w_rate[2] + f4 * w_rate[3]
+    z_rate = z1 * w_rate[0] + z2 * w_rate[1] + z3 * w_rate[2] + z4 * w_rate[3]
+    position = (w[0], w[1], 0.5 * (one.height + two.height))
+    (_, _, uz), _, _ = rope_terms(position, (w_rate[0], w_rate[1], z_rate), c)
+    pull = rope_tension(w, w_rate, w_acceleration, c) * uz
+    half = 0.5 * (c.mill_mass * (z_second + c.gravity) + pull)
+    turning = 0.5 * (c.mill_inertia * phi_second + c.screw_damping * phi_rate) / c.dimensions.pitch
+    difference = c.dimensions.pitch * phi_second
+    return (
+        half + turning + c.wrist_mass * (z_second + difference + c.gravity),
+        half - turning + c.wrist_mass * (z_second - difference + c.gravity),
+    )
 
 
 def solve_symmetric(m: Any, b: Any) -> Any:

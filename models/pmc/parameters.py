@@ -11,7 +11,7 @@ The motors' torque limit is not printed either. 640 N, the largest horizontal fo
 the isotropic posture, :math:`4\tau/r`; the largest command recorded in C-drive tests is 3.42 N m, Table 5-8.)
 """
 
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -89,6 +89,21 @@ class PMCParameters:
                 f"PMC: the limbs weigh {self.limb_mass} kg each; expected less than the printed half "
                 f"mass of {HALF_MASS} kg, the rest of which is the PepperMill"
             )
+
+    def heavier(self, error: float) -> "PMCParameters":
+        """The same robot with limbs, PM and counterweight heavier by the share ``error``: a wrong model.
+
+        The printed mass holds the sum of limbs and PM, so that the PM's own error goes into ``payload``.
+        """
+        if error == 0.0:
+            return self
+        factor = 1.0 + error
+        names = ["proximal_mass", "distal_mass", "hooke_mass", "nut_mass", "proximal_inertia"]
+        names += ["distal_inertia", "pepper_mill_inertia"]
+        heavier = replace(self, **{name: factor * getattr(self, name) for name in names})
+        mill = factor * (self.pepper_mill_mass + self.payload) - heavier.pepper_mill_mass
+        weight = replace(self.counterweight, mass=factor * self.counterweight.mass)
+        return replace(heavier, payload=mill, counterweight=weight)
 
     @property
     def limb_mass(self) -> float:

@@ -1,5 +1,6 @@
 """Compiled closed loop of the PepperMill-Carrier: controller every sample, ODE4 steps between."""
 
+import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -88,11 +89,13 @@ def run(
     *,
     believed: PMCParameters | None = None,
     start: ArrayLike | None = None,
+    calibration: ArrayLike = (0.0, 0.0),
     substeps: int = 1,
 ) -> Run:
     """Simulate a closed loop that starts at rest at joints ``start``, by default those of :func:`rest`.
 
-    ``believed`` is the robot in the controller's model, by default the true one. One sample is ``substeps`` ODE4
+    ``believed`` is the robot in the controller's model, by default the true one. ``calibration`` (2,) is by how much
+    the drive angles exceed what the encoders say [rad]. One sample is ``substeps`` ODE4
     steps with the torque held.
     """
     n = len(reference.time)
@@ -101,6 +104,8 @@ def run(
     loop = controller(settings, believed or parameters, home, sample_time)
     joints, rates, measured, command = (np.full((n, 4), np.nan) for _ in range(4))
     joints[0] = rest(reference, settings, parameters) if start is None else start
+    offset = np.concatenate([np.zeros(2), np.asarray(calibration, dtype=float)])
+    joints[0] += offset
     lsb = encoder.resolution(parameters.encoder_bits) if parameters.encoder_bits else 0.0
     simulate(
         reference.joints,
@@ -113,6 +118,7 @@ def run(
         sample_time,
         substeps,
         lsb,
+        home + offset,
         np.zeros((5, 4)),
         joints,
         rates,
@@ -186,16 +192,16 @@ def joint_forces(torque: Any, motor_map: Any) -> Any:
     )
 
 
-def read_encoders(joints: Any, loop: Controller, lsb: float, psi: Any) -> None:
+def read_encoders(joints: Any, motor_map: Any, home: Any, lsb: float, psi: Any) -> None:
     """Motor angles ``psi`` (4,) from home, as the encoders read them."""
     for i in range(4):
         angle = 0.0
         for j in range(4):
-            angle += loop.motor_map[i, j] * (joints[j] - loop.home[j])
+            angle += motor_map[i, j] * (joints[j] - home[j])
         psi[i] = encoder.read(angle, lsb)
 
 
-compilation.register_laws(__import__("sys").modules[__name__])
+compilation.register_laws(sys.modules[__name__])
 
 
 @compilation.kernel
@@ -210,13 +216,17 @@ def simulate(
     dt: float,
     substeps: int,
     lsb: float,
+    encoder_home: Any,
     memory: Any,
     joints: Any,
     rates: Any,
     measured: Any,
     command: Any,
 ) -> None:
-    """Fill the last four arrays (samples, 4) from rest at ``joints[0]``; stops at the first NaN."""
+    """Fill the last four arrays (samples, 4) from rest at ``joints[0]``; stops at the first NaN.
+
+    The encoders read zero at the joints ``encoder_home`` (4,).
+    """
     samples = reference.shape[0]
     w = (joints[0, 0], joints[0, 1], joints[0, 2], joints[0, 3])
     v = (0.0, 0.0, 0.0, 0.0)
@@ -224,7 +234,7 @@ def simulate(
     for k in range(samples):
         for i in range(4):
             joints[k, i], rates[k, i] = w[i], v[i]
-        read_encoders(joints[k], loop, lsb, measured[k])
+        read_encoders(joints[k], loop.motor_map, encoder_home, lsb, measured[k])
         if k == 0:
             control.wake_up(measured[0], loop, memory)
         target = Target(reference[k], joint_acceleration[k], poses[k], pose_acceleration[k])

@@ -1,0 +1,92 @@
+"""``gapscope simulate pmc`` and ``gapscope compare pmc``: the PepperMill-Carrier."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Out = Annotated[Path, typer.Option(help="Folder for the results.")]
+
+
+class Controller(StrEnum):
+    """Controllers of the PepperMill-Carrier."""
+
+    ts = "ts"
+    pd = "pd"
+    ct = "ct"
+    ra = "ra"
+
+
+class Cycle(StrEnum):
+    """Test cycles."""
+
+    industry = "industry"
+    smooth = "smooth"
+
+
+def simulate(
+    out: Out,
+    controller: Annotated[
+        Controller | None,
+        typer.Option(
+            help="Task-space PD (Table 5-10, default), joint PD, computed torque, resolved acceleration."
+        ),
+    ] = None,
+    cycle: Annotated[
+        Cycle | None, typer.Option(help="25-300-25 mm with half a turn, as printed or rounded.")
+    ] = None,
+    cycles: Annotated[float, typer.Option(min=0.01, help="How many cycles.")] = 1.0,
+    speed: Annotated[
+        float | None, typer.Option(help="1, the default, is the printed 0.3 Hz.")
+    ] = None,
+    config: Annotated[
+        Path | None, typer.Option(help="YAML file of settings; options win over it.")
+    ] = None,
+    replay: Annotated[bool, typer.Option(help="Write the 3-D replay, too.")] = True,
+) -> None:
+    """PepperMill-Carrier: run a Drake diagram; log set, figure and 3-D replay.
+
+    Writes logset.yaml, run.csv, run.png and replay.html.
+    """
+    from rich.progress import Progress
+
+    from ...diagrams.pmc_loop import PMCLoopConfig
+    from ..errors import InputError
+    from ..pmc import simulation
+
+    try:
+        settings = PMCLoopConfig.load(config) if config else PMCLoopConfig()
+    except (RuntimeError, OSError) as error:
+        raise InputError(config, str(error), "YAML with the fields of PMCLoopConfig") from error
+    for name, value in (("controller", controller), ("cycle", cycle), ("speed", speed)):
+        if value is not None:
+            setattr(settings, name, getattr(value, "value", value))
+    with Progress(transient=True) as bar:
+        task = bar.add_task("simulating")
+        run = simulation.simulate(
+            settings,
+            out,
+            cycles=cycles,
+            replay=replay,
+            progress=lambda done, total: bar.update(task, completed=done, total=total),
+        )
+    errors = abs(simulation.pose_errors(run)).max(axis=0)
+    typer.echo(
+        f"largest errors: x {1e3 * errors[0]:.2f}, y {1e3 * errors[1]:.2f}, z {1e3 * errors[2]:.2f} mm, "
+        f"rotation {errors[3]:.3f} rad"
+    )
+    typer.echo(f"wrote {out / 'logset.yaml'}, run.csv, run.png" + (", replay.html" * replay))
+
+
+def compare(out: Out) -> None:
+    """PepperMill-Carrier: four controllers on two cycles, with and without the counterweight.
+
+    Writes comparison.json, comparison.md, comparison.png and prototype.png.
+    """
+    from ..pmc import comparison
+
+    result = comparison.compare()
+    comparison.write(result, out)
+    typer.echo(comparison.finding(result))
+    typer.echo(f"wrote {out / 'comparison.json'}, comparison.md, comparison.png, prototype.png")
