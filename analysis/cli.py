@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from .commands import compare, diagnose, simulate, workspace
+from .commands import calibrate, compare, diagnose, simulate, workspace
 
 app = typer.Typer(
     name="gapscope",
@@ -17,6 +17,7 @@ app = typer.Typer(
 app.add_typer(simulate.app, name="simulate")
 app.add_typer(compare.app, name="compare")
 app.add_typer(workspace.app, name="workspace")
+app.add_typer(calibrate.app, name="calibrate")
 app.command("diagnose")(diagnose.diagnose)
 
 

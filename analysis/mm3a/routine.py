@@ -13,7 +13,7 @@ mean of sin over the range of the joint. The quadratic holds within the range it
 with the extended arm (d = 23.94 urad) is at its edge.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -115,6 +115,13 @@ def refit_quadratic(points: int = 41) -> tuple[NDArray[np.float64], float]:
     return in_urad * np.array([1e6, 1.0, 1e-6]), float(error)
 
 
+METHODS: dict[str, Callable[[float, float], float]] = {
+    "iteration": lambda free, loaded: load_by_iteration(free, loaded).load,
+    "printed": load_by_quadratic,
+    "exact": load_exactly,
+}
+
+
 def rotary_by_routine(
     means: dict[tuple[float, bool], float], method: str = "iteration"
 ) -> RotaryStep:
@@ -122,15 +129,10 @@ def rotary_by_routine(
 
     ``method`` is iteration, printed (6.6) or exact; ValueError for another.
     """
-    methods = {
-        "iteration": lambda free, loaded: load_by_iteration(free, loaded).load,
-        "printed": load_by_quadratic,
-        "exact": load_exactly,
-    }
-    if method not in methods:
-        raise ValueError(f"unknown method {method!r}; expected one of {', '.join(methods)}")
+    if method not in METHODS:
+        raise ValueError(f"unknown method {method!r}; expected one of {', '.join(METHODS)}")
     ends = sorted({q3 for q3, _ in means})
-    loads = [methods[method](means[q3, False], means[q3, True]) for q3 in ends]
+    loads = [METHODS[method](means[q3, False], means[q3, True]) for q3 in ends]
     return RotaryStep(
         basic_retracted=means[ends[0], False],
         basic_extended=means[ends[-1], False],
