@@ -80,10 +80,16 @@ def load_by_iteration(
     Lines 12 and 13, arcsine and sine of the same ratio, amount to d (loaded - free)/(simulated - free).
     Convergence is linear, about sixfold per iteration for the extended arm: five of them reach the printed
     1e-11 rad for differences up to some 1 urad, and 1e-8 rad at 9.2 urad - then still 1e-4 of d.
+    Raises ValueError if an iterate exceeds the free step, as it does for loads far beyond Fig. 5.6.
     """
     load = guess if guess is not None else loaded - free
     errors = []
     for _ in range(iterations):
+        if not abs(load) < free:
+            raise ValueError(
+                f"the iteration for d passes {load} rad beside a free step of {free} rad, at which the "
+                "simulated joint stands still; expected |d| < free: use the exact method"
+            )
         zeta, total, count = ZETA[0], 0.0, 0
         while zeta <= ZETA[1]:
             step = free + load * np.sin(zeta)
