@@ -172,7 +172,7 @@ def perform(
     exact = [run.distance / mean_of_inverse(truth(run)) for run in plan]
     performed = []
     for day in range(1, days + 1):
-        factor = 1.0 + environment.day * rng.standard_normal((3, 2))
+        factor = day_factors(environment, rng)
         for _ in range(repeats):
             for run, count in zip(plan, exact):
                 scale = factor[run.joint - 1, (run.direction + 1) // 2]
@@ -180,6 +180,11 @@ def perform(
                 steps = heard_steps(int(np.ceil(count / scale)))
                 performed.append(replace(run, day=f"day-{day}", steps=steps))
     return performed
+
+
+def day_factors(environment: Environment, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Factors of one day by joint and direction, (3, 2)."""
+    return 1.0 + environment.day * rng.standard_normal((3, 2))
 
 
 def _run(

@@ -34,11 +34,8 @@ FIT_RANGE = 9.2e-6  # |Delta| over which (6.6) was fitted [rad]
 
 
 def prismatic_by_routine(level: float, folded: float, upright: float) -> PrismaticStep:
-    """Equations (1): mean steps at (q2, theta) = (-pi/2, 0), (0, -pi/2), (0, 0) [m].
-
-    A recoil below zero, which scatter can produce, is set to zero.
-    """
-    recoil = max(0.0, 1.0 - folded / level)
+    """Equations (1): mean steps at (q2, theta) = (-pi/2, 0), (0, -pi/2), (0, 0) [m]."""
+    recoil = 1.0 - folded / level
     return PrismaticStep(basic=level, recoil=recoil, load=level - upright / (1.0 - recoil))
 
 

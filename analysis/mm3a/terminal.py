@@ -7,7 +7,9 @@ from rich.console import Console
 from rich.table import Table
 
 from .calibration import Calibration
+from .comparison import Report
 from .likelihood import Estimate
+from .prediction import THESIS
 
 DIRECTION_SIGNS = {-1: "-", 1: "+"}
 
@@ -66,3 +68,44 @@ def _unit(joint: int) -> tuple[float, str]:
 def _width(estimate: Estimate, i: int, factor: float) -> str:
     width = estimate.half_widths[i] * factor
     return f"{width:.2g}" if np.isfinite(width) else "no run to spare"
+
+
+def print_comparison(result: Report, console: Console | None = None) -> None:
+    """Prediction errors per joint and direction, then tip errors per distance."""
+    console = console or Console()
+    console.print(_predictions(result))
+    console.print(
+        "Thesis, worst case: model "
+        + ", ".join(f"joint {joint} {100 * model:.0f} %" for joint, (model, _) in THESIS.items())
+        + "; constant step "
+        + ", ".join(f"joint {joint} {100 * flat:.1f} %" for joint, (_, flat) in THESIS.items())
+        + " - which its own parameters contradict."
+    )
+    console.print(_growth(result))
+
+
+def _predictions(result: Report) -> Table:
+    table = Table(title=f"Prediction error of the step, rms / worst [%], truth: {result.truth}")
+    table.add_column("joint", justify="right")
+    parts = result.comparison.predictions
+    for name in parts[0].errors:
+        table.add_column(name, justify="right")
+    for part in parts:
+        table.add_row(
+            f"{part.joint}{DIRECTION_SIGNS[part.direction]}",
+            *(f"{100 * part.rms(n):.2f} / {100 * part.worst(n):.2f}" for n in part.errors),
+        )
+    return table
+
+
+def _growth(result: Report) -> Table:
+    table = Table(title="Tip error of open-loop moves, rms [um], truth: empirical")
+    table.add_column("mm", justify="right")
+    for name in result.growth.errors:
+        table.add_column(name, justify="right")
+    for i, distance in enumerate(result.growth.distances):
+        table.add_row(
+            f"{1e3 * distance:.1f}",
+            *(f"{1e6 * result.growth.rms(name)[i]:.1f}" for name in result.growth.errors),
+        )
+    return table

@@ -106,7 +106,7 @@ def follow(
     from . import stepper_kernel
 
     arm, conditions = arm or Arm(), conditions or Conditions()
-    wanted = np.array([_wanted(i, point, start, arm) for i, point in enumerate(path)])
+    wanted = _wanted(np.ascontiguousarray(path, dtype=float), start, arm)
     commands = np.zeros(wanted.shape, dtype=np.int64)
     believed = np.empty((len(wanted) + 1, 3))
     believed[0] = start
@@ -123,15 +123,20 @@ def follow(
     return commands, believed
 
 
-def _wanted(i: int, point: Any, start: Any, arm: Arm) -> tuple[Any, Any, Any]:
+def _wanted(path: NDArray[np.float64], start: Any, arm: Arm) -> NDArray[np.float64]:
+    """Joints for every point of the path, on the branch of ``start``."""
+    from . import stepper_kernel
+
     backward = bool(arm.shoulder < (arm.forearm + start[2]) * np.sin(start[1]))
-    q = kinematics.inverse(point, arm, backward)
-    if not kinematics.within_limits(q, arm):
+    wanted = stepper_kernel.inverse(path, arm.constants(), backward)
+    outside = np.any((wanted < arm.lower) | (wanted > arm.upper), axis=1)
+    if np.any(outside):
+        i = int(np.argmax(outside))
         raise ValueError(
-            f"path: point {i} at {tuple(map(float, point))} m needs joints {tuple(map(float, q))}; "
-            f"expected them within {arm.lower} to {arm.upper}"
+            f"path: point {i} at {tuple(map(float, path[i]))} m needs joints "
+            f"{tuple(map(float, wanted[i]))}; expected them within {arm.lower} to {arm.upper}"
         )
-    return q
+    return wanted
 
 
 LAW_MODULES = (arm_constants, kinematics, dynamics, step_size, stepper)

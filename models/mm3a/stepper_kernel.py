@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from .. import compilation
-from . import open_loop, stepper
+from . import kinematics, open_loop, stepper
 
 compilation.register_laws(*open_loop.LAW_MODULES, open_loop)
 
@@ -78,3 +78,15 @@ def follow(
         believed[i + 1, 0] = q[0]
         believed[i + 1, 1] = q[1]
         believed[i + 1, 2] = q[2]
+
+
+@compilation.kernel
+def inverse(path: Any, arm: Any, backward: bool) -> Any:
+    """Joints (n, 3) that bring the tip to each point of ``path`` (n, 3)."""
+    joints = np.empty(path.shape)
+    for i in range(path.shape[0]):
+        q1, q2, q3 = kinematics.inverse(path[i], arm, backward)
+        joints[i, 0] = q1
+        joints[i, 1] = q2
+        joints[i, 2] = q3
+    return joints
