@@ -47,14 +47,24 @@ def report(truth: str, seed: int) -> Report:
 
 
 def write(result: Report, out: Path) -> list[Path]:
-    """Write ``comparison.json``, ``prediction.png`` and ``positioning.png`` into ``out``."""
+    """Write ``comparison.json`` and the figures into ``out``; returns the files."""
     from . import plots
 
     folder = output_folder(out)
-    files = [folder / name for name in ("comparison.json", "prediction.png", "positioning.png")]
-    write_whole(files[0], json.dumps(as_data(result), indent=2, allow_nan=False) + "\n")
-    plots.save(plots.prediction(result.comparison), files[1])
-    plots.save(plots.positioning(result.growth), files[2])
+    data = folder / "comparison.json"
+    write_whole(data, json.dumps(as_data(result), indent=2, allow_nan=False) + "\n")
+    figures = {
+        "prediction": plots.prediction(result.comparison),
+        "positioning": plots.positioning(result.growth),
+        "prismatic-steps": plots.prismatic_steps(),
+        "rotary-steps": plots.rotary_steps(),
+        "actuator-trends": plots.actuator_trends(),
+        "equation-6-6": plots.load_from_difference(),
+    }
+    files = [data]
+    for name, canvas in figures.items():
+        files.append(folder / f"{name}.png")
+        plots.save(canvas, files[-1])
     return files
 
 

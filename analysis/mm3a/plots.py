@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from ...models.mm3a.arm import Arm
 from ..files import write_whole
+from . import routine, trends
 from .experiments import empirical_truth
 from .runs import groups, mean_of_inverse
 
@@ -141,5 +142,146 @@ def positioning(result: "ErrorGrowth") -> Figure:
     ax.set_xlabel("length of the move [mm]")
     ax.set_ylabel("tip error, rms over directions [µm]")
     ax.set_title("How does the open-loop error grow with distance?")
+    ax.legend(fontsize=8)
+    return canvas
+
+
+TILTED, THIRD, QUARTER = -np.pi / 2, -np.pi / 3, -np.pi / 4  # theta of the experiments [rad]
+DIRECTION_COLOURS = {-1: BLUE, 1: VERMILION}
+
+
+def prismatic_steps() -> Figure:
+    """How does the step of joint 3 depend on posture? Angles of Figs. 4.8, 4.10, 4.13, 6.2."""
+    canvas, axes = figure(2, 2, (10.0, 7.5))
+    elbow = np.linspace(-np.pi, 0.0, 25)
+    turn = np.linspace(-np.pi / 2, np.pi / 2, 25)
+    panels = (
+        ("no weight on the joint, θ = −90° (Fig. 4.8)", elbow, TILTED, "elbow angle q₂ [deg]"),
+        ("arm level, base turned by ψ (Fig. 4.10)", turn, 0.0, "base tilt ψ [deg]"),
+        ("upright base, θ = 0 (Figs. 4.13a, 6.2)", elbow, 0.0, "elbow angle q₂ [deg]"),
+        ("θ = −60° (Figs. 4.13b, 6.2)", elbow, THIRD, "elbow angle q₂ [deg]"),
+    )
+    for ax, (title, angles, theta, label) in zip(axes.ravel(), panels):
+        turned = angles is turn
+        postures = [(0.0, -np.pi / 2 if turned else a, 0.006) for a in angles]
+        tilts = [(theta, a if turned else 0.0) for a in angles]
+        for direction in (-1, 1):
+            curve = trends.posture_curve(3, direction, np.degrees(angles), postures, tilts)
+            _both_models(ax, curve, direction, 1e9)
+        ax.set(title=title, xlabel=label, ylabel="step [nm]")
+    axes[0, 0].legend(fontsize=8)
+    return canvas
+
+
+def rotary_steps() -> Figure:
+    """How does the step of joint 2 depend on posture? Angles of Figs. 5.5, 5.6, 5.7, 6.6, 6.7."""
+    canvas, axes = figure(2, 2, (10.0, 7.5))
+    zeta = np.linspace(0.0, np.pi, 19)
+    panels = (
+        ("no weight on the joint, θ = −90°, q₃ = 0 (Fig. 5.5)", TILTED, 0.0),
+        ("upright base, arm retracted, q₃ = 0 (Fig. 5.6a-b)", 0.0, 0.0),
+        ("upright base, arm extended, q₃ = 12 mm (Fig. 5.6c-d)", 0.0, 0.012),
+    )
+    for ax, (title, theta, q3) in zip(axes.ravel(), panels):
+        postures, tilts = [(0.0, -a, q3) for a in zeta], [(theta, 0.0)] * zeta.size
+        for direction in (-1, 1):
+            curve = trends.posture_curve(2, direction, np.degrees(zeta), postures, tilts)
+            _both_models(ax, curve, direction, 1e6)
+        ax.set(title=title, xlabel="ζ = −q₂ [deg]", ylabel="step [µrad]", ylim=(65.0, 130.0))
+    extension = np.linspace(0.0, 0.012, 13)
+    for direction in (-1, 1):
+        curve = trends.posture_curve(
+            2,
+            direction,
+            1e3 * extension,
+            [(0.0, -np.pi / 2, q3) for q3 in extension],
+            [(TILTED, 0.0)] * extension.size,
+        )
+        _both_models(axes[1, 1], curve, direction, 1e6)
+    axes[1, 1].set(
+        title="inertia alone, θ = −90° (Fig. 5.7)",
+        xlabel="extension q₃ [mm]",
+        ylabel="step [µrad]",
+        ylim=(65.0, 130.0),
+    )
+    axes[0, 0].legend(fontsize=8)
+    return canvas
+
+
+def _both_models(ax: Any, curve: trends.Curve, direction: int, factor: float) -> None:
+    colour, (marker, word) = DIRECTION_COLOURS[direction], DIRECTIONS[direction]
+    ax.plot(curve.x, factor * curve.steps["empirical"], color=colour, label=f"empirical, {word}")
+    ax.plot(
+        curve.x,
+        factor * curve.steps["physical"],
+        marker,
+        color=colour,
+        fillstyle="none",
+        markersize=4,
+        label=f"physical, {word}",
+    )
+
+
+def actuator_trends() -> Figure:
+    """On what does the step of the physical actuator depend, and where do simpler models part?"""
+    canvas, axes = figure(2, 2, (10.0, 7.5))
+    colours = (BLUE, VERMILION, GREEN)
+    load, inertia = trends.load_curve(), trends.inertia_curve()
+    for colour, (name, steps) in zip(colours, load.steps.items()):
+        axes[0, 0].plot(load.x, 1e9 * steps, color=colour, label=name)
+    axes[0, 0].set(xlabel="load over weight of link 3 [-]", ylabel="step of joint 3 [nm]")
+    axes[0, 0].set_title("load along the axis")
+    for colour, (name, steps) in zip(colours[1:], inertia.steps.items()):
+        axes[0, 1].semilogx(1e6 * inertia.x, 1e6 * steps, color=colour, label=name)
+    low, high = trends.inertia_range()
+    axes[0, 1].axvspan(1e6 * low, 1e6 * high, color=SKY, alpha=0.4, label="travel of joint 3")
+    axes[0, 1].set(xlabel="inertia about joint 2 [kg mm²]", ylabel="step of joint 2 [µrad]")
+    axes[0, 1].set_title("inertia: growth, then the phase of the swing")
+    volts, frequency = trends.voltage_curve(), trends.frequency_curve()
+    for colour, (name, steps) in zip(colours, volts.steps.items()):
+        axes[1, 0].plot(volts.x, 1e9 * steps, color=colour, label=f"hysteresis {name}")
+    axes[1, 0].set(xlabel="sawtooth amplitude [V]", ylabel="step of joint 3 [nm]")
+    axes[1, 0].set_title("voltage")
+    axes[1, 1].semilogx(frequency.x, 1e9 * frequency.steps["physical"], color=VERMILION)
+    axes[1, 1].axvline(100.0, color="black", linewidth=0.8, label="100 Hz of the thesis")
+    axes[1, 1].set(xlabel="steps per second [Hz]", ylabel="step of joint 3 [nm]")
+    axes[1, 1].set_title("frequency")
+    for ax in axes.ravel():
+        ax.legend(fontsize=8)
+    return canvas
+
+
+def load_from_difference() -> Figure:
+    """What does equation (6.6) mean? The free parameter d over the difference of mean steps (Fig. 6.5)."""
+    canvas, axes = figure()
+    ax = axes[0, 0]
+    difference = np.linspace(-routine.FIT_RANGE, routine.FIT_RANGE, 41)
+    for free, colour in ((75e-6, SKY), (95e-6, BLUE), (115e-6, PURPLE)):
+        loads = [routine.load_exactly(free, free + d) for d in difference]
+        ax.plot(
+            1e6 * difference,
+            1e6 * np.array(loads),
+            color=colour,
+            label=f"exact, free step {1e6 * free:.0f} µrad",
+        )
+    ax.plot(
+        1e6 * difference,
+        1e6 * np.polyval(routine.PRINTED, difference),
+        "--",
+        color=VERMILION,
+        label="(6.6), Δ in 0.01 rad and d in rad",
+    )
+    ax.plot(
+        1e6 * difference,
+        1e6 * np.polyval((3.41, 0.025, 6.42e-7), difference),
+        ":",
+        color=ORANGE,
+        label="(6.6) read in rad",
+    )
+    ax.set(
+        xlabel="mean step loaded less free, Δ [µrad]",
+        ylabel="free parameter d [µrad]",
+        title="What does equation (6.6) mean?",
+    )
     ax.legend(fontsize=8)
     return canvas

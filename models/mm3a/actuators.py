@@ -10,12 +10,17 @@ the shape of the trends, the effect of inertia, voltage and frequency - is predi
 
 What the physical actuator says about the step that shrinks with inertia (section 5.4). A light slider falls
 back less the heavier it is, so its step grows, as the thesis expected; with these constants that holds
-over the whole travel of joint 3. Beyond the inertia at which the slider swings on the contact's elasticity
-more slowly than the flyback, :math:`\sqrt{m/\sigma_0} \gtrsim t_f`, it shrinks again, as in Peng and
-Chen's measurement (Fig. 2.4). The observed decrease therefore needs a softer contact or a larger inertia than
-chosen here, or friction that grows as the arm overhangs its bearing; counting steps alone cannot
-tell which. The chapter's own guess, a stack that stretches less under inertia, is not it: the ramp is so slow
-that the inertia force is below a millionth of the stack's.
+over the whole travel of joint 3, against the observation. A slider so heavy that it still swings on the
+elastic contact when the next flyback comes has no trend at all: its step goes up and down with the phase
+of that swing, by a fifth and more, and a decrease over the travel of joint 3 can be had by the choice of
+inertia, contact stiffness and step period. The robust explanation within this model is friction that grows
+as the arm overhangs its bearing: it has to grow by more than the inertia does. Step counts alone cannot tell.
+The chapter's own guess, a stack that stretches less under inertia, is not it: along the slow ramp the
+inertia force is below 1e-4 of the stack's. Nor does this model reproduce the smooth maximum over mass
+that Peng and Chen measured (Fig. 2.4); theirs needs a contact stiffness that depends on the mass.
+
+What it does not explain at all: the loss with the elbow angle (4.3), which takes a frame that recoils, and
+steps that differ by direction without load.
 """
 
 from dataclasses import dataclass, field
