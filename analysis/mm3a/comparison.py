@@ -48,11 +48,13 @@ def report(truth: str, seed: int) -> Report:
 
 def write(result: Report, out: Path) -> list[Path]:
     """Write ``comparison.json`` and the figures into ``out``; returns the files."""
-    from . import plots
+    from ...diagrams.mm3a_view import replay_page
+    from . import plots, square
 
     folder = output_folder(out)
     data = folder / "comparison.json"
     write_whole(data, json.dumps(as_data(result), indent=2, allow_nan=False) + "\n")
+    drawing = square.draw_square()
     figures = {
         "prediction": plots.prediction(result.comparison),
         "positioning": plots.positioning(result.growth),
@@ -60,11 +62,14 @@ def write(result: Report, out: Path) -> list[Path]:
         "rotary-steps": plots.rotary_steps(),
         "actuator-trends": plots.actuator_trends(),
         "equation-6-6": plots.load_from_difference(),
+        "view": plots.view(drawing),
     }
     files = [data]
     for name, canvas in figures.items():
         files.append(folder / f"{name}.png")
         plots.save(canvas, files[-1])
+    files.append(folder / "view.html")
+    write_whole(files[-1], replay_page(drawing.joints["step model"], drawing.wanted))
     return files
 
 

@@ -8,6 +8,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
+from ...models.mm3a import kinematics
 from ...models.mm3a.arm import Arm
 from ..files import write_whole
 from . import routine, trends
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from .calibration import Calibration
     from .positioning import ErrorGrowth
     from .prediction import Comparison
+    from .square import Drawing
 
 # Okabe and Ito 2008, distinguishable to the colour-blind.
 BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION = (
@@ -29,7 +31,6 @@ BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION = (
     "#D55E00",
 )
 JOINT_COLOURS = {1: GREEN, 2: BLUE, 3: VERMILION}
-BELOW = (0.5, -0.14)  # a legend under its axes, in their coordinates
 DIRECTIONS = {-1: ("v", "negative"), 1: ("^", "positive")}
 
 
@@ -72,9 +73,9 @@ def calibration(result: "Calibration") -> Figure:
         position += len(errors) + 2
     ax.axhline(0.0, color="black", linewidth=0.8)
     ax.set_xlabel("run, in the order of the table within each joint and direction")
-    ax.set_ylabel("measured over calibrated mean step, less 1 [%]")
+    ax.set_ylabel("measured/calibrated step − 1 [%]")
     ax.set_title("Does the calibrated model explain every run?")
-    ax.legend(fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=BELOW)
+    canvas.legend(loc="outside lower center", ncols=2, fontsize=8)
     return canvas
 
 
@@ -116,13 +117,20 @@ def prediction(result: "Comparison") -> Figure:
                 color=colour,
                 markersize=4,
                 alpha=0.7,
-                label=f"{name}: rms {100 * part.rms(name):.1f} %, worst {100 * part.worst(name):.1f} %",
+                label=f"{name} model" if name == "likelihood" else f"{name} step",
             )
         ax.axhline(0.0, color="black", linewidth=0.8)
-        ax.set_title(f"joint {part.joint}, {DIRECTIONS[part.direction][1]} direction")
+        errors = ", ".join(
+            f"{name} {100 * part.rms(name):.1f}/{100 * part.worst(name):.1f} %"
+            for name in ("likelihood", "constant")
+        )
+        ax.set_title(
+            f"joint {part.joint}, {DIRECTIONS[part.direction][1]} direction\nrms/worst: {errors}",
+            fontsize=10,
+        )
         ax.set_xlabel(PREDICTION_AXES[part.joint])
-        ax.set_ylabel("predicted over measured step, less 1 [%]")
-        ax.legend(fontsize=8, ncols=2, loc="upper center", bbox_to_anchor=BELOW)
+        ax.set_ylabel("predicted/measured step − 1 [%]")
+    canvas.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return canvas
 
 
@@ -285,3 +293,42 @@ def load_from_difference() -> Figure:
     )
     ax.legend(fontsize=8)
     return canvas
+
+
+def view(drawing: "Drawing") -> Figure:
+    """What does the arm look like, and what do its steps look like at their own scale?"""
+    canvas = Figure(figsize=(11.0, 5.0), layout="constrained")
+    arm_axes: Any = canvas.add_subplot(1, 2, 1, projection="3d")
+    q = drawing.joints["step model"][0]
+    points = 1e3 * _joints_of_arm(q)
+    arm_axes.plot(*points.T, "o-", color="black", linewidth=3)
+    arm_axes.plot(*points[-1:].T, "*", color=VERMILION, markersize=12, label="tip")
+    arm_axes.set(xlabel="x₀ [mm]", ylabel="y₀ [mm]", zlabel="z₀ [mm]", title="the arm in frame 0")
+    low, high = points.min(axis=0), points.max(axis=0)
+    reach = 0.6 * np.max(high - low)
+    for setter, centre in zip(
+        (arm_axes.set_xlim, arm_axes.set_ylim, arm_axes.set_zlim), 0.5 * (low + high)
+    ):
+        setter(centre - reach, centre + reach)
+    arm_axes.view_init(elev=20.0, azim=-70.0)
+    arm_axes.legend(fontsize=8)
+    path_axes: Any = canvas.add_subplot(1, 2, 2, projection="3d")
+    start = drawing.tips("step model")[0]
+    for name, colour in (("constant step", ORANGE), ("step model", BLUE)):
+        tips = 1e6 * (drawing.tips(name) - start)
+        path_axes.plot(*tips.T, color=colour, linewidth=1.0, label=name)
+    wanted = 1e6 * (drawing.wanted - start)
+    path_axes.plot(*wanted.T, "--", color="black", linewidth=1.0, label="wanted")
+    path_axes.set(
+        xlabel="x₀ [µm]", ylabel="y₀ [µm]", zlabel="z₀ [µm]", title="tip path, from its start"
+    )
+    path_axes.view_init(elev=15.0, azim=-75.0)
+    path_axes.legend(fontsize=8)
+    return canvas
+
+
+def _joints_of_arm(q: Any) -> Any:
+    """Base, elbow and tip in frame 0 [m], with the puck's axis below."""
+    arm = Arm()
+    elbow = arm.shoulder * np.array([np.cos(q[0]), np.sin(q[0]), 0.0])
+    return np.array([[0.0, 0.0, -0.013], [0.0, 0.0, 0.0], elbow, kinematics.tip(q, arm)])
