@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from .commands import compare, diagnose, pmc, simulate, workspace
+from .commands import calibrate, compare, diagnose, pmc, simulate, workspace
 
 app = typer.Typer(
     name="gapscope",
@@ -19,6 +19,7 @@ app.add_typer(compare.app, name="compare")
 app.add_typer(workspace.app, name="workspace")
 simulate.app.command("pmc")(pmc.simulate)
 compare.app.command("pmc")(pmc.compare)
+app.add_typer(calibrate.app, name="calibrate")
 app.command("diagnose")(diagnose.diagnose)
 
 

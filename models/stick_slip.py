@@ -237,10 +237,15 @@ def simulate(
     Long after a flyback, where nothing rings, the step is ``QUIET_STEP`` times that.
     ``load`` [N] opposes positive motion; ``slider_mass`` [kg] replaces that of the actuator; with ``every`` > 0
     each such sample of the state is kept; ``initial`` (8,) is a state to go on from, at 0 V. The first periods settle bristle and hysteresis: use
-    ``settled_step`` for a step size. Raises ValueError if the motion diverges, which ``time_step`` causes.
+    ``settled_step`` for a step size. Raises ValueError for a load beyond the friction, and if the motion diverges, which
+    ``time_step`` causes.
     """
     from . import stick_slip_kernel
 
+    if not abs(load) < actuator.coulomb:
+        raise ValueError(
+            f"load {load} N exceeds the friction {actuator.coulomb} N; expected a load the contact holds"
+        )
     if slider_mass is not None:
         actuator = replace(actuator, slider_mass=slider_mass)
     pieces = [_cut(segment, time_step) for segment in drive.segments(direction)]

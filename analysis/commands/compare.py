@@ -30,3 +30,22 @@ def ct_errors(out: Out) -> None:
 
     for path in write_study(run_study(), out):
         typer.echo(path)
+
+
+@app.command("mm3a")
+def mm3a(
+    truth: Annotated[
+        str, typer.Option(help="What moves the joints: empirical or physical.")
+    ] = "empirical",
+    out: Annotated[Path, typer.Option(help="Folder for comparison.json and plots.")] = Path(
+        "compare-mm3a"
+    ),
+    seed: Annotated[int, typer.Option(help="Of the random generator.", min=0)] = 0,
+) -> None:
+    """Step models of the MM3A against a constant step and none (Damani 2013, chapter 7)."""
+    from ..mm3a import comparison, terminal
+
+    result = comparison.report(truth, seed)
+    terminal.print_comparison(result)
+    for path in comparison.write(result, out):
+        typer.echo(f"wrote {path}")

@@ -60,3 +60,24 @@ def c_drive(
     run = simulation.simulate_c_drive(settings)
     for path in simulation.write_c_drive_run(run, out):
         typer.echo(path)
+
+
+@app.command("mm3a")
+def mm3a(
+    out: Annotated[Path, typer.Option(help="CSV table of step-counting runs to write.")],
+    truth: Annotated[
+        str, typer.Option(help="What moves the joints: empirical or physical.")
+    ] = "empirical",
+    days: Annotated[int, typer.Option(help="Days of measurement.", min=1)] = 2,
+    repeats: Annotated[int, typer.Option(help="Repeats of each run a day.", min=1)] = 3,
+    seed: Annotated[int, typer.Option(help="Of the random generator.", min=0)] = 0,
+) -> None:
+    """Calibration experiments of the MM3A (Damani 2013, chapters 4-6) through the audio switch."""
+    from ..files import output_folder
+    from ..mm3a import experiments
+    from ..mm3a.runs import write_runs
+
+    output_folder(out.parent)
+    runs = experiments.full_experiment(truth, days=days, repeats=repeats, seed=seed)
+    write_runs(out, runs)
+    typer.echo(f"wrote {out}: {len(runs)} runs")

@@ -11,6 +11,7 @@ from ...models.mm3a import actuators, step_size
 from ...models.mm3a.arm import Arm, gravity_in_base
 from ...models.mm3a.limit_switch import heard_steps
 from ...models.mm3a.step_size import StepModel
+from ..errors import InputError
 from .runs import LOOP, NO_FORCE, Run, mean_of_inverse
 
 # Sizes [rad or m] of the steps at the nodes of a run.
@@ -125,6 +126,31 @@ def physical_truth(
     return sizes
 
 
+TRUTHS: dict[str, Callable[[Arm], StepTruth]] = {
+    "empirical": lambda arm: empirical_truth(StepModel(), arm),
+    "physical": lambda arm: physical_truth(arm),
+}
+
+
+def truth_named(name: str, arm: Arm | None = None) -> StepTruth:
+    """Truth ``empirical`` or ``physical`` with its defaults; InputError for another name."""
+    if name not in TRUTHS:
+        raise InputError("truth", f"unknown truth {name!r}", f"one of {', '.join(TRUTHS)}")
+    return TRUTHS[name](arm or Arm())
+
+
+def full_experiment(truth: str, *, days: int, repeats: int, seed: int) -> list[Run]:
+    """Calibration runs of all joints, rotation about the axis, and postures and intervals between."""
+    plan = [
+        *calibration_plan(),
+        *rotation_plan()[2:],
+        *posture_plan(),
+        *interval_plan(0.0),
+        *interval_plan(0.012),
+    ]
+    return perform(plan, truth_named(truth), days=days, repeats=repeats, seed=seed)
+
+
 def perform(
     plan: Sequence[Run],
     truth: StepTruth,
@@ -146,7 +172,7 @@ def perform(
     exact = [run.distance / mean_of_inverse(truth(run)) for run in plan]
     performed = []
     for day in range(1, days + 1):
-        factor = 1.0 + environment.day * rng.standard_normal((3, 2))
+        factor = day_factors(environment, rng)
         for _ in range(repeats):
             for run, count in zip(plan, exact):
                 scale = factor[run.joint - 1, (run.direction + 1) // 2]
@@ -154,6 +180,11 @@ def perform(
                 steps = heard_steps(int(np.ceil(count / scale)))
                 performed.append(replace(run, day=f"day-{day}", steps=steps))
     return performed
+
+
+def day_factors(environment: Environment, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Factors of one day by joint and direction, (3, 2)."""
+    return 1.0 + environment.day * rng.standard_normal((3, 2))
 
 
 def _run(

@@ -13,7 +13,7 @@ mean of sin over the range of the joint. The quadratic holds within the range it
 with the extended arm (d = 23.94 urad) is at its edge.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,11 +34,8 @@ FIT_RANGE = 9.2e-6  # |Delta| over which (6.6) was fitted [rad]
 
 
 def prismatic_by_routine(level: float, folded: float, upright: float) -> PrismaticStep:
-    """Equations (1): mean steps at (q2, theta) = (-pi/2, 0), (0, -pi/2), (0, 0) [m].
-
-    A recoil below zero, which scatter can produce, is set to zero.
-    """
-    recoil = max(0.0, 1.0 - folded / level)
+    """Equations (1): mean steps at (q2, theta) = (-pi/2, 0), (0, -pi/2), (0, 0) [m]."""
+    recoil = 1.0 - folded / level
     return PrismaticStep(basic=level, recoil=recoil, load=level - upright / (1.0 - recoil))
 
 
@@ -80,10 +77,16 @@ def load_by_iteration(
     Lines 12 and 13, arcsine and sine of the same ratio, amount to d (loaded - free)/(simulated - free).
     Convergence is linear, about sixfold per iteration for the extended arm: five of them reach the printed
     1e-11 rad for differences up to some 1 urad, and 1e-8 rad at 9.2 urad - then still 1e-4 of d.
+    Raises ValueError if an iterate exceeds the free step, as it does for loads far beyond Fig. 5.6.
     """
     load = guess if guess is not None else loaded - free
     errors = []
     for _ in range(iterations):
+        if not abs(load) < free:
+            raise ValueError(
+                f"the iteration for d passes {load} rad beside a free step of {free} rad, at which the "
+                "simulated joint stands still; expected |d| < free: use the exact method"
+            )
         zeta, total, count = ZETA[0], 0.0, 0
         while zeta <= ZETA[1]:
             step = free + load * np.sin(zeta)
@@ -115,6 +118,13 @@ def refit_quadratic(points: int = 41) -> tuple[NDArray[np.float64], float]:
     return in_urad * np.array([1e6, 1.0, 1e-6]), float(error)
 
 
+METHODS: dict[str, Callable[[float, float], float]] = {
+    "iteration": lambda free, loaded: load_by_iteration(free, loaded).load,
+    "printed": load_by_quadratic,
+    "exact": load_exactly,
+}
+
+
 def rotary_by_routine(
     means: dict[tuple[float, bool], float], method: str = "iteration"
 ) -> RotaryStep:
@@ -122,15 +132,10 @@ def rotary_by_routine(
 
     ``method`` is iteration, printed (6.6) or exact; ValueError for another.
     """
-    methods = {
-        "iteration": lambda free, loaded: load_by_iteration(free, loaded).load,
-        "printed": load_by_quadratic,
-        "exact": load_exactly,
-    }
-    if method not in methods:
-        raise ValueError(f"unknown method {method!r}; expected one of {', '.join(methods)}")
+    if method not in METHODS:
+        raise ValueError(f"unknown method {method!r}; expected one of {', '.join(METHODS)}")
     ends = sorted({q3 for q3, _ in means})
-    loads = [methods[method](means[q3, False], means[q3, True]) for q3 in ends]
+    loads = [METHODS[method](means[q3, False], means[q3, True]) for q3 in ends]
     return RotaryStep(
         basic_retracted=means[ends[0], False],
         basic_extended=means[ends[-1], False],

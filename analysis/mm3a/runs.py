@@ -14,7 +14,7 @@ The table (CSV) that ``gapscope calibrate mm3a`` reads has one row per run:
 """
 
 import csv
-import os
+import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -26,6 +26,7 @@ from ...models.mm3a import kinematics, step_size
 from ...models.mm3a.arm import Arm, gravity_in_base
 from ...models.mm3a.limit_switch import LOOP
 from ..errors import InputError
+from ..files import write_whole
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 NO_FORCE = (0.0, 0.0, 0.0)
@@ -165,13 +166,12 @@ def _number(kind: object, text: str | None) -> str | int | float:
 
 def write_runs(path: Path, runs: Iterable[Run]) -> None:
     """Write the table, complete or not at all."""
-    part = path.with_name(path.name + ".part")
-    with part.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for run in runs:
-            writer.writerow([getattr(run, name) for name in COLUMNS])
-    os.replace(part, path)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for run in runs:
+        writer.writerow([getattr(run, name) for name in COLUMNS])
+    write_whole(path, text.getvalue())
 
 
 def groups(runs: Sequence[Run]) -> dict[tuple[int, int], list[Run]]:

@@ -44,13 +44,13 @@ class PrismaticStep:
     """Free parameters of (1) in one direction."""
 
     basic: float  # a, step without load and recoil loss [m]
-    recoil: float  # b, share lost at right angles to the best posture [-]
+    recoil: float  # b, share lost at right angles to the posture q2 = -pi/2 [-]
     load: float  # c, loss at the full weight of link 3 [m]
 
     def __post_init__(self) -> None:
-        if not (self.basic > 0.0 and 0.0 <= self.recoil < 1.0 and np.isfinite(self.load)):
+        if not (self.basic > 0.0 and abs(self.recoil) < 1.0 and np.isfinite(self.load)):
             raise ValueError(
-                f"prismatic step: {self}; expected basic > 0, 0 <= recoil < 1 and a finite load"
+                f"prismatic step: {self}; expected basic > 0, |recoil| < 1 and a finite load"
             )
 
 

@@ -17,8 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import arm as arm_constants
-from . import dynamics, kinematics, step_size
+from . import kinematics, step_size
 from .arm import Arm, gravity_in_base
 from .step_size import StepModel
 
@@ -209,6 +208,3 @@ def steps_between(
             "of positive length: the load is beyond the step model"
         )
     return int(count)
-
-
-LAW_MODULES = (arm_constants, kinematics, dynamics, step_size)

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from .. import compilation
-from . import stepper
+from . import kinematics, open_loop, stepper
 
-compilation.register_laws(*stepper.LAW_MODULES, stepper)
+compilation.register_laws(*open_loop.LAW_MODULES, open_loop)
 
 
 @compilation.kernel
@@ -51,3 +51,42 @@ def count(joint: int, q: Any, target: float, table: Any, session: Any, arm: Any)
         taken[joint] += 1
         last[joint] = direction
     return taken[joint]
+
+
+@compilation.kernel
+def follow(
+    wanted: Any,
+    commands: Any,
+    believed: Any,
+    table: Any,
+    session: Any,
+    arm: Any,
+    lower: Any,
+    upper: Any,
+) -> None:
+    """Fill ``commands`` and ``believed`` joints so that these stay within half a step of ``wanted``."""
+    q = believed[0].copy()
+    last = np.zeros(3, dtype=np.int64)
+    taken = np.zeros(3, dtype=np.int64)
+    for i in range(wanted.shape[0]):
+        for joint in range(3):
+            error = wanted[i, joint] - q[joint]
+            step = open_loop.next_step(error, joint, q, last, taken, table, session, arm)
+            commands[i, joint] = step
+            if step != 0:
+                stepper.coarse_step(joint, step, q, last, taken, table, session, arm, lower, upper)
+        believed[i + 1, 0] = q[0]
+        believed[i + 1, 1] = q[1]
+        believed[i + 1, 2] = q[2]
+
+
+@compilation.kernel
+def inverse(path: Any, arm: Any, backward: bool) -> Any:
+    """Joints (n, 3) that bring the tip to each point of ``path`` (n, 3)."""
+    joints = np.empty(path.shape)
+    for i in range(path.shape[0]):
+        q1, q2, q3 = kinematics.inverse(path[i], arm, backward)
+        joints[i, 0] = q1
+        joints[i, 1] = q2
+        joints[i, 2] = q3
+    return joints

@@ -65,6 +65,13 @@ def test_iteration_converges_linearly_and_meets_the_printed_error_for_small_load
     assert large.load == pytest.approx(exact, rel=1e-4)  # harmless beside the scatter of runs
 
 
+def test_iteration_that_leaves_the_model_is_refused_and_not_looped_forever():
+    loaded = routine.mean_loaded_step(92e-6, -85e-6)
+    with pytest.raises(ValueError, match="stands still"):
+        routine.load_by_iteration(92e-6, loaded)
+    assert routine.load_exactly(92e-6, loaded) == pytest.approx(-85e-6, rel=1e-6)
+
+
 def test_quadratic_of_equation_6_6_holds_in_hundredths_of_a_radian():
     refit, largest = routine.refit_quadratic()
     assert routine.PRINTED[0] == pytest.approx(refit[0], rel=0.10)
