@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from .commands import compare, diagnose, simulate, workspace
+from .commands import blind, compare, diagnose, simulate, workspace
 
 app = typer.Typer(
     name="gapscope",
@@ -18,6 +18,7 @@ app.add_typer(simulate.app, name="simulate")
 app.add_typer(compare.app, name="compare")
 app.add_typer(workspace.app, name="workspace")
 app.command("diagnose")(diagnose.diagnose)
+app.command("blind")(blind.blind)
 
 
 def _print_version(wanted: bool) -> None:

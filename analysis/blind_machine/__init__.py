@@ -9,16 +9,20 @@ this toolbox (a test holds it to that), so a diagnosis cannot succeed by repeati
 Seeds below 1000 are for tuning an instrument, seeds from 1000 for reporting on it.
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from . import logset, strength
-from .case import Case
+from .c_drive import ENCODER_LSB, Machine
+from .case import Case, case_name
 from .cases import draw
 
-__all__ = ["REPORT_SEEDS_FROM", "Case", "draw", "write_case", "write_cases"]
+__all__ = ["REPORT_SEEDS_FROM", "Case", "case_name", "draw", "write_case", "write_cases"]
 
 REPORT_SEEDS_FROM = 1000
+FINE_LSB = 1e-9  # rad: an encoder that does not count
+VALIDATION = [i for i, (*_, use) in enumerate(logset.RUNS) if use == "validate"]
 
 
 def write_case(seed: int, index: int, directory: Path) -> dict[str, Any]:
@@ -45,6 +49,7 @@ def write_case(seed: int, index: int, directory: Path) -> dict[str, Any]:
         "cause": list(case.cause),
         "parameters": dict(case.parameters),
         "strength": {"all": strength.strength(tables, without), **parts},
+        "attainable_percent": _attainable(case, tables),
         "floor": strength.floor(without).tolist(),
         "nuisance": _differences(case),
         "speed": case.speed,
@@ -55,7 +60,27 @@ def write_case(seed: int, index: int, directory: Path) -> dict[str, Any]:
 
 def write_cases(seed: int, count: int, directory: Path) -> list[dict[str, Any]]:
     """Write cases 0 to ``count`` - 1 into ``directory``/case_0000 and so on; return the answers."""
-    return [write_case(seed, i, directory / f"case_{i:04d}") for i in range(count)]
+    return [write_case(seed, i, directory / case_name(i)) for i in range(count)]
+
+
+def _attainable(case: Case, tables: list[strength.Array]) -> float | None:
+    """Share of the gap that the true machine's own model removes, on the validation runs [%].
+
+    Model outputs are free of encoder counts and noise, as an instrument's are; ``before`` is the
+    stated machine, ``after`` the machine that made the log, ``floor`` its repeatability. None
+    where the whole gap is below twice the floor and a share of it means nothing.
+    """
+    ideal = replace(case, encoder_noise=0.0, torque_noise=0.0)
+    coarse = case.machine.lsb != ENCODER_LSB  # then the counts are the effect
+    models = [
+        machine._replace(lsb=machine.lsb if coarse else FINE_LSB)
+        for machine in (Machine(), case.machine)
+    ]
+    before, after = (
+        strength.gap(tables, logset.simulate(ideal, m, events=m is models[1]), VALIDATION)
+        for m in models
+    )
+    return 100 * (before - after) / (before - 1.0) if before > 2.0 else None
 
 
 def _differences(case: Case) -> dict[str, float]:

@@ -30,4 +30,9 @@ class Case:
     @property
     def name(self) -> str:
         """Folder and log-set name; it says nothing of the answer."""
-        return f"case_{self.index:04d}"
+        return case_name(self.index)
+
+
+def case_name(index: int) -> str:
+    """Folder and log-set name of a case."""
+    return f"case_{index:04d}"

@@ -33,3 +33,10 @@ def strength(with_effect: Sequence[Array], without: Sequence[Array]) -> float:
     gaps = np.concatenate([a[:, SIGNALS] - b[:, SIGNALS] for a, b in zip(with_effect, without)])
     change = np.sqrt(np.mean(gaps**2, axis=0))
     return float(np.sqrt(np.mean((change / floor(without)) ** 2)))
+
+
+def gap(logged: Sequence[Array], model: Sequence[Array], runs: Sequence[int]) -> float:
+    """Log minus model on ``runs`` in multiples of the log's own floor there, pooled as above."""
+    mine, theirs = [logged[i] for i in runs], [model[i] for i in runs]
+    gaps = np.concatenate([a[:, SIGNALS] - b[:, SIGNALS] for a, b in zip(mine, theirs)])
+    return float(np.sqrt(np.mean(np.mean(gaps**2, axis=0) / floor(mine) ** 2)))
