@@ -53,6 +53,7 @@ def write_case(seed: int, index: int, directory: Path) -> dict[str, Any]:
         "floor": strength.floor(without).tolist(),
         "nuisance": _differences(case),
         "speed": case.speed,
+        "soft_controllers": case.soft,
         "encoder_noise_rad": case.encoder_noise,
         "torque_noise_Nm": case.torque_noise,
     }

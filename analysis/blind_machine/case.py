@@ -23,6 +23,7 @@ class Case:
     partial: Mapping[str, Machine]  # for pairs: the machine without this one
     parameters: Mapping[str, Any] = field(default_factory=dict)  # cause -> drawn parameters
     speed: float = 1.0  # factor on the thesis' rates
+    soft: bool = False  # controllers of lower gain, as the log set states
     encoder_noise: float = 0.0  # rad, standard deviation before the counter
     torque_noise: float = 0.002  # Nm, standard deviation in the log
     noise_seed: int = 0

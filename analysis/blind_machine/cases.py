@@ -66,6 +66,7 @@ def _draw(
         partial=partial,
         parameters=parameters,
         speed=1.0 if "actuator.saturation" in causes else speed,
+        soft=bool(rng.random() < 0.4),
         encoder_noise=float(rng.choice((0.0, 0.2, 0.5))) * ENCODER_LSB,
         torque_noise=float(rng.choice((0.001, 0.002, 0.004))),
         noise_seed=int(rng.integers(2**63)),

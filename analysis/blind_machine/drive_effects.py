@@ -107,19 +107,19 @@ def compliance(rng: np.random.Generator, m: Machine) -> Draw:
 
 def delay(rng: np.random.Generator, m: Machine) -> Draw:
     """Transport delay of the command, not necessarily whole samples."""
-    time = float(rng.choice((1e-3, rng.uniform(0.8e-3, 1.18e-3))))
+    time = float(rng.choice((1e-3, 2e-3, rng.uniform(0.8e-3, 2.6e-3))))
     return m._replace(delay=time), {"delay_s": time}
 
 
 def lag(rng: np.random.Generator, m: Machine) -> Draw:
     """Slow torque loop, of first or second order."""
-    time, order = _log_uniform(rng, 0.9e-3, 1.25e-3), int(rng.integers(1, 3))
+    time, order = _log_uniform(rng, 0.9e-3, 3.2e-3), int(rng.integers(1, 3))
     return m._replace(lag=time, lag_order=order), {"time_constant_s": time, "order": order}
 
 
 def saturation(rng: np.random.Generator, m: Machine) -> Draw:
     """The amplifier gives no more than a limit below what the fastest runs ask for."""
-    limit = float(rng.uniform(2.25, 2.62))
+    limit = float(rng.uniform(2.1, 2.62))
     return m._replace(limit=limit), {"limit_Nm": limit}
 
 

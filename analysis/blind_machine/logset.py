@@ -20,10 +20,15 @@ RUNS = (  # controller, motion, thesis rate [Hz], use
     ("ts", "helical", 2.0, "validate"),
 )
 PAUSE = 60.0  # s of running between two logged runs
-CONTROLLERS = {
+STIFF = {  # Table 5-1
     "pd": controllers.Controller(controllers.PD, (45.0, 45.0), (0.1, 0.1), 600.0),
     "ct": controllers.Controller(controllers.COMPUTED_TORQUE, (35e3, 35e3), (55.0, 55.0), 600.0),
     "ts": controllers.Controller(controllers.TASK_SPACE, (45.0, 112.5), (0.1, 0.25), 600.0),
+}
+SOFT = {  # bears twice the delay and lets a gap move the positions twice as far
+    "pd": controllers.Controller(controllers.PD, (20.0, 20.0), (0.1, 0.1), 600.0),
+    "ct": controllers.Controller(controllers.COMPUTED_TORQUE, (15e3, 15e3), (55.0, 55.0), 600.0),
+    "ts": controllers.Controller(controllers.TASK_SPACE, (20.0, 50.0), (0.1, 0.25), 600.0),
 }
 COLUMNS = {
     "t": "s",
@@ -44,6 +49,7 @@ def simulate(case: Case, machine: c_drive.Machine, *, events: bool = True) -> li
     """
     tables = []
     starts = start_times(case)
+    gains = SOFT if case.soft else STIFF
     for number, (controller, motion, rate, _) in enumerate(RUNS):
         t, stroke, curvature = out_and_back(case.speed * rate, CYCLES)
         amplitude = np.array(AMPLITUDE[motion])
@@ -57,7 +63,7 @@ def simulate(case: Case, machine: c_drive.Machine, *, events: bool = True) -> li
             start=starts[number],
             **_events(case, len(t), np.random.default_rng(chance), events),
         )
-        readings, commands, fine = c_drive.run(machine, CONTROLLERS[controller], program)
+        readings, commands, fine = c_drive.run(machine, gains[controller], program)
         commands = commands + case.torque_noise * np.random.default_rng(torque).standard_normal(
             commands.shape
         )
@@ -108,7 +114,7 @@ def _log(
 def description(case: Case) -> dict[str, Any]:
     """The content of ``logset.yaml``."""
     m = c_drive.Machine()
-    pd, ct, ts = (CONTROLLERS[k] for k in ("pd", "ct", "ts"))
+    pd, ct, ts = (SOFT if case.soft else STIFF).values()
     runs = [
         {
             "file": f"run{number}.csv",

@@ -33,7 +33,7 @@ def coasting(torque, samples=200, machine=None, command=None):
     """True screw angles (n FINE, 2) with the loop cut: a bias torque per screw and no gains."""
     free = c_drive.Machine(bias_screw=torque) if machine is None else machine
     still = np.zeros((samples, 2))
-    controller = logset.CONTROLLERS["pd"]._replace(kp=(0.0, 0.0), kd=(0.0, 0.0))
+    controller = logset.STIFF["pd"]._replace(kp=(0.0, 0.0), kd=(0.0, 0.0))
     program = c_drive.Program(still, still, still, still[:, 0], still[:, 0], 0.0)
     return c_drive.run(free, controller, program)[2]
 
