@@ -37,7 +37,7 @@ def instrument(logset: Path, out: Path) -> dict[str, Any]:
     """What ``gapscope diagnose`` writes for this log set."""
     from .commands.diagnose import diagnose
 
-    diagnose(logset=str(logset), out=out)
+    diagnose(logset=str(logset), out=out, quiet=True)
     result = out / "diagnosis.json"
     if not result.exists():
         raise FileNotFoundError(f"{out}: gapscope diagnose wrote no diagnosis.json")

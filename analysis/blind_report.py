@@ -126,7 +126,11 @@ def markdown(
         lines.append(f"| {name} | {top1} | {top2} | {row['top1'].n} | {row['faint']} |")
     lines += ["", "## Off the library", "", "| cause | no mechanism claimed | n |", "|---|---|---|"]
     lines += [f"| {n} | {_percent(e)} | {e.n} |" for n, e in numbers["by_off_library"].items()]
-    lines += ["", "## Parameters both sides name alike (median relative error)", ""]
+    lines += [
+        "",
+        "## Parameters that can be compared (median relative error, rightly named cases)",
+        "",
+    ]
     if numbers["parameters"]:
         lines += ["| parameter | error | n |", "|---|---|---|"]
         lines += [f"| {key} | {_number(e)} | {e.n} |" for key, e in numbers["parameters"].items()]

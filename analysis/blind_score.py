@@ -121,15 +121,24 @@ def _confidence(
 def _comparable(
     answer: dict[str, Any], diagnosis: dict[str, Any]
 ) -> list[tuple[str, str, float, float]]:
-    """Parameters that bear the same name (with unit) in the answer and in the diagnosis."""
+    """Parameters that must be the same quantity: alone in their effect with their unit, on both sides.
+
+    True values carry the unit in their name (``delay_s``), estimates beside the value.
+    """
     pairs = []
     for effect in diagnosis.get("effects") or []:
-        truth = answer["parameters"].get(effect["id"], {})
-        for name, value in (effect.get("parameters") or {}).items():
-            estimate = value.get("value") if isinstance(value, dict) else value
-            true = truth.get(name)
-            if isinstance(true, int | float) and isinstance(estimate, int | float):
-                pairs.append((effect["id"], name, float(true), float(estimate)))
+        true = [
+            (name, value)
+            for name, value in answer["parameters"].get(effect["id"], {}).items()
+            if isinstance(value, int | float) and value != 0
+        ]
+        estimates = [e for e in (effect.get("parameters") or {}).items() if isinstance(e[1], dict)]
+        for unit in {str(value.get("unit")) for _, value in estimates}:
+            suffix = "_" + unit.replace(" ", "").replace("/", "_per_")
+            mine = [entry for entry in true if entry[0].endswith(suffix)]
+            theirs = [value["value"] for _, value in estimates if value.get("unit") == unit]
+            if len(mine) == len(theirs) == 1:
+                pairs.append((effect["id"], mine[0][0], float(mine[0][1]), float(theirs[0])))
     return pairs
 
 

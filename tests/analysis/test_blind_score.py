@@ -161,13 +161,23 @@ def test_risk_coverage_by_hand():
     assert blind_score.risk_coverage(outcomes) == [(0.25, 0.0), (0.75, pytest.approx(1 / 3))]
 
 
-def test_parameter_errors_compare_names_with_units():
+def test_parameter_errors_compare_what_is_alone_with_its_unit():
     o = made(
         "single", BIAS, "explained", BIAS,
-        true={BIAS: {"torque_Nm": 0.2, "where": "left"}},
-        found={BIAS: {"torque_Nm": {"value": 0.22, "ci95": [0.2, 0.24]}, "where": "left"}},
+        true={BIAS: {"torque_Nm": 0.2, "where": "left", "level_rad": 1.0, "mass_kg": 0.0}},
+        found={
+            BIAS: {
+                "load": {"value": 0.22, "ci95": [0.2, 0.24], "unit": "N m"},
+                "left": {"value": 1.0, "unit": "rad"},
+                "right": {"value": 3.0, "unit": "rad"},
+                "mass": {"value": 3.0, "unit": "kg"},
+            }
+        },
     )  # fmt: skip
     errors = blind_score.summary([o])["parameters"]
+    assert list(errors) == [
+        f"{BIAS} torque_Nm"
+    ]  # two angles, and a true mass of none, are left out
     assert errors[f"{BIAS} torque_Nm"].value == pytest.approx(0.1)
 
 
