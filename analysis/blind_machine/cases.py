@@ -8,16 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from . import logset
-from .c_drive import ENCODER_LSB, Machine
-from .case import DOUBLE, NONE, OFF, SINGLE, Case
+from . import logset, slider_effects
+from .c_drive import Machine
+from .case import DOUBLE, NONE, OFF, SINGLE, AnyMachine, Case
 from .drive_effects import EFFECTS
 from .off_library import OFF_LIBRARY
+from .slider import Slider
 
 PAIRS, OFFS, NONES = 6, 5, 10
 SPEEDS = (0.8, 1.0, 1.0, 1.25, 1.25)  # on the thesis' rates: cycles stay whole milliseconds
 ATTEMPTS = 20
-RUNAWAY = 12.0  # commanded torque after the first cycle [Nm]; 2.9 Nm is the thesis' largest
+SLIDERS = 0.2  # share of the cases a slider can show
 DECK = NONES + len(EFFECTS) + PAIRS + OFFS
 # Two effects of one group would hide each other or are the same law twice.
 GROUPS = (
@@ -45,14 +46,22 @@ def draw(seed: int, index: int) -> Case:
 
 def steady(case: Case) -> bool:
     """Whether the machine runs: one that runs away is switched off, not diagnosed."""
-    commands = [table[len(table) // 3 :, 5:7] for table in logset.simulate(case, case.machine)]
-    return max(np.abs(command).max() for command in commands) < RUNAWAY
+    layout = logset.layout(case)
+    tables = logset.simulate(case, case.machine)
+    commands = [table[len(table) // 3 :, layout.COMMANDS] for table in tables]
+    return bool(max(np.abs(command).max() for command in commands) < layout.RUNAWAY)
 
 
 def _draw(
     seed: int, index: int, kind: str, causes: tuple[str, ...], rng: np.random.Generator
 ) -> Case:
-    nominal = nuisance(rng)
+    slides = kind != OFF and set(causes) <= set(slider_effects.EFFECTS)
+    stated = (
+        Slider()
+        if slides and np.random.default_rng([seed, index, 1]).random() < SLIDERS
+        else Machine()
+    )
+    nominal = nuisance(rng, stated)
     machine, parameters, partial = _apply(causes, nominal, rng)
     speed = float(rng.choice(SPEEDS))
     return Case(
@@ -66,36 +75,46 @@ def _draw(
         partial=partial,
         parameters=parameters,
         speed=1.0 if "actuator.saturation" in causes else speed,
-        encoder_noise=float(rng.choice((0.0, 0.2, 0.5))) * ENCODER_LSB,
+        soft=bool(rng.random() < 0.4),
+        encoder_noise=_noise(stated, float(rng.choice((0.0, 0.2, 0.5)))),
         torque_noise=float(rng.choice((0.001, 0.002, 0.004))),
         noise_seed=int(rng.integers(2**63)),
     )
 
 
-def nuisance(rng: np.random.Generator, spread: float | None = None) -> Machine:
-    """The nominal machine with every physical parameter off by up to ``spread`` (1 to 3 %)."""
+def _noise(stated: AnyMachine, level: float) -> float:
+    """Encoder noise: ``level`` counts; a slider counts so finely that vibration is never less."""
+    return (0.1 + level) * 1e-6 if isinstance(stated, Slider) else level * stated.lsb
+
+
+def nuisance(
+    rng: np.random.Generator, stated: AnyMachine, spread: float | None = None
+) -> AnyMachine:
+    """The stated machine with every physical parameter off by up to ``spread`` (1 to 3 %)."""
     spread = float(rng.uniform(0.01, 0.03)) if spread is None else spread
-    m = Machine()
-    factors = (1 + rng.uniform(-spread, spread, 6)).tolist()
-    mass, inertia, rotor, left, right, gamma = factors
-    return m._replace(
-        mass=m.mass * mass,
-        turning_inertia=m.turning_inertia * inertia,
-        rotor_inertia=m.rotor_inertia * rotor,
-        beta=(m.beta[0] * left, m.beta[1] * right),
-        gamma=m.gamma * gamma,
+    mass, second, rotor, left, right, gamma = (1 + rng.uniform(-spread, spread, 6)).tolist()
+    if isinstance(stated, Slider):
+        return stated._replace(mass=stated.mass * mass, viscous=stated.viscous * second)
+    return stated._replace(
+        mass=stated.mass * mass,
+        turning_inertia=stated.turning_inertia * second,
+        rotor_inertia=stated.rotor_inertia * rotor,
+        beta=(stated.beta[0] * left, stated.beta[1] * right),
+        gamma=stated.gamma * gamma,
     )
 
 
 def _apply(
-    causes: tuple[str, ...], nominal: Machine, rng: np.random.Generator
-) -> tuple[Machine, dict[str, Any], dict[str, Machine]]:
+    causes: tuple[str, ...], nominal: AnyMachine, rng: np.random.Generator
+) -> tuple[AnyMachine, dict[str, Any], dict[str, AnyMachine]]:
     """The machine with all causes, their parameters, and for pairs the machine without each."""
     seeds = rng.integers(2**63, size=2)
-    table = {**EFFECTS, **OFF_LIBRARY}
+    slides = isinstance(nominal, Slider)
+    table: dict[str, Any] = slider_effects.EFFECTS if slides else {**EFFECTS, **OFF_LIBRARY}
 
-    def build(wanted: tuple[str, ...]) -> tuple[Machine, dict[str, Any]]:
-        machine, parameters = nominal, {}
+    def build(wanted: tuple[str, ...]) -> tuple[AnyMachine, dict[str, Any]]:
+        machine: AnyMachine = nominal
+        parameters: dict[str, Any] = {}
         for cause, seed in zip(causes, seeds):
             if cause in wanted:
                 machine, parameters[cause] = table[cause](np.random.default_rng(seed), machine)

@@ -13,23 +13,31 @@ import numpy as np
 
 from .motion import Array
 
-SIGNALS = slice(3, 7)  # psi_L, psi_R, tau_L, tau_R of a logged table
 CYCLES = 3
 
 
-def floor(tables: Sequence[Array]) -> Array:
-    """Repeatability of the four signals, pooled over the runs: rad, rad, Nm, Nm."""
-    squares, samples = np.zeros(4), 0
+def floor(tables: Sequence[Array], signals: slice) -> Array:
+    """Repeatability of each of the columns ``signals``, pooled over the runs, in their units."""
+    squares, samples = 0.0, 0
     for table in tables:
         n = len(table) // CYCLES
-        gap = table[2 * n : 3 * n, SIGNALS] - table[n : 2 * n, SIGNALS]
-        squares += np.sum(gap**2, axis=0) / 2
+        gap = table[2 * n : 3 * n, signals] - table[n : 2 * n, signals]
+        squares = squares + np.sum(gap**2, axis=0) / 2
         samples += n
-    return np.sqrt(squares / samples)
+    return np.asarray(np.sqrt(squares / samples))
 
 
-def strength(with_effect: Sequence[Array], without: Sequence[Array]) -> float:
+def strength(with_effect: Sequence[Array], without: Sequence[Array], signals: slice) -> float:
     """Pooled change over pooled floor, root mean square over positions and torques."""
-    gaps = np.concatenate([a[:, SIGNALS] - b[:, SIGNALS] for a, b in zip(with_effect, without)])
+    gaps = np.concatenate([a[:, signals] - b[:, signals] for a, b in zip(with_effect, without)])
     change = np.sqrt(np.mean(gaps**2, axis=0))
-    return float(np.sqrt(np.mean((change / floor(without)) ** 2)))
+    return float(np.sqrt(np.mean((change / floor(without, signals)) ** 2)))
+
+
+def gap(
+    logged: Sequence[Array], model: Sequence[Array], runs: Sequence[int], signals: slice
+) -> float:
+    """Log minus model on ``runs`` in multiples of the log's own floor there, pooled as above."""
+    mine, theirs = [logged[i] for i in runs], [model[i] for i in runs]
+    gaps = np.concatenate([a[:, signals] - b[:, signals] for a, b in zip(mine, theirs)])
+    return float(np.sqrt(np.mean(np.mean(gaps**2, axis=0) / floor(mine, signals) ** 2)))

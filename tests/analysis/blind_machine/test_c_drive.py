@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gapscope.analysis.blind_machine import c_drive, logset, strength
+from gapscope.analysis.blind_machine import c_drive, drive_logset, logset, strength
 from gapscope.analysis.blind_machine.case import NONE, Case
 from gapscope.analysis.blind_machine.motion import out_and_back
 
@@ -33,7 +33,7 @@ def coasting(torque, samples=200, machine=None, command=None):
     """True screw angles (n FINE, 2) with the loop cut: a bias torque per screw and no gains."""
     free = c_drive.Machine(bias_screw=torque) if machine is None else machine
     still = np.zeros((samples, 2))
-    controller = logset.CONTROLLERS["pd"]._replace(kp=(0.0, 0.0), kd=(0.0, 0.0))
+    controller = drive_logset.STIFF["pd"]._replace(kp=(0.0, 0.0), kd=(0.0, 0.0))
     program = c_drive.Program(still, still, still, still[:, 0], still[:, 0], 0.0)
     return c_drive.run(free, controller, program)[2]
 
@@ -127,7 +127,7 @@ def test_without_effect_or_nuisance_equals_the_open_set():
     opened = [
         np.loadtxt(folder / f"run{number}.csv", delimiter=",", skiprows=1) for number in range(1, 7)
     ]
-    floor = strength.floor(opened)
+    floor = strength.floor(opened, drive_logset.SIGNALS)
     for mine, theirs in zip(tables, opened):
         n = len(mine) // 3
         assert mine[:, 1:3] == pytest.approx(theirs[:, 1:3], abs=6e-7)  # printed to 1e-6

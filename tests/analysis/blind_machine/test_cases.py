@@ -4,17 +4,25 @@ import numpy as np
 import pytest
 import yaml
 
-from gapscope.analysis.blind_machine import cases, logset, strength, write_case
+from gapscope.analysis.blind_machine import (
+    cases,
+    drive_logset,
+    slider_effects,
+    strength,
+    write_case,
+)
 from gapscope.analysis.blind_machine.c_drive import Machine
 from gapscope.analysis.blind_machine.drive_effects import EFFECTS
 from gapscope.analysis.blind_machine.motion import AMPLITUDE, out_and_back
 from gapscope.analysis.blind_machine.off_library import OFF_LIBRARY
+from gapscope.analysis.blind_machine.slider import Slider
 
 
-def index_of(seed, kind):
-    """First case of a kind in a seed's first deck."""
+def index_of(seed, kind, machine=Machine):
+    """First case of a kind on a machine in a seed's first deck."""
     deck = cases._deck(np.random.default_rng([seed, 0, 0]))
-    return next(i for i, (k, _) in enumerate(deck) if k == kind)
+    indices = [i for i, (k, _) in enumerate(deck) if k == kind]
+    return next(i for i in indices if isinstance(cases.draw(seed, i).nominal, machine))
 
 
 def test_a_deck_holds_every_mechanism_once_and_ten_without_effect():
@@ -56,41 +64,54 @@ def test_the_log_set_withholds_its_answer_and_states_its_motion(tmp_path):
         assert table[:, 1:3] == pytest.approx(expected, abs=5.1e-7)
 
 
-def test_no_effect_means_the_nominal_machine_within_tolerance(tmp_path):
-    index = index_of(6, "none")
+@pytest.mark.parametrize("machine", [Machine, Slider])
+def test_no_effect_means_the_stated_machine_within_tolerance(tmp_path, machine):
+    index = index_of(6, "none", machine)
     case = cases.draw(6, index)
     answer = write_case(6, index, tmp_path)
     assert answer["answer"] == []
     assert answer["strength"]["all"] == 0.0
-    stated = Machine()
-    jittered = ("mass", "turning_inertia", "rotor_inertia", "beta", "gamma")
-    for name in Machine._fields:
-        ratio = (
-            np.divide(getattr(case.machine, name), getattr(stated, name))
-            if (name in jittered)
-            else None
-        )
-        if ratio is None:
-            assert getattr(case.machine, name) == getattr(stated, name)
-        else:
+    jittered = {"mass", "turning_inertia", "rotor_inertia", "beta", "gamma", "viscous"}
+    for name, stated in machine()._asdict().items():
+        if name in jittered:
+            ratio = np.divide(getattr(case.machine, name), stated)
             assert np.all(np.abs(ratio - 1) <= 0.03)
+            assert np.all(ratio != 1)
+        else:
+            assert getattr(case.machine, name) == stated
+
+
+def test_a_slider_is_logged_in_the_layout_of_the_measured_one(tmp_path):
+    index = index_of(6, "single", Slider)
+    write_case(6, index, tmp_path)
+    described = yaml.safe_load((tmp_path / "logset.yaml").read_text())
+    assert described["system"]["kind"] == "slider"
+    assert {run["use"] for run in described["runs"]} == {"fit", "validate"}
+    lines = (tmp_path / "run1.csv").read_text().splitlines()
+    assert lines[0] == "t,q_ref,q,u,force"
+    table = np.loadtxt(lines[1:], delimiter=",")
+    assert table[:, 4] == pytest.approx(35.15065188248547 * table[:, 3], abs=1e-4)
 
 
 def test_a_dry_machine_moves_the_residual_and_a_copy_does_not():
     case = cases.draw(3, index_of(3, "none"))
-    tables = logset.simulate(case, case.nominal)
-    assert strength.strength(tables, tables) == 0.0
+    tables = drive_logset.simulate(case, case.nominal)
+    assert strength.strength(tables, tables, drive_logset.SIGNALS) == 0.0
     even = (0.3, 0.3)
     dry = case.nominal._replace(coulomb=(even, even, (0.0, 0.0)))
-    assert strength.strength(logset.simulate(case, dry), tables) > 5.0
+    moved = drive_logset.simulate(case, dry)
+    assert strength.strength(moved, tables, drive_logset.SIGNALS) > 5.0
 
 
-@pytest.mark.parametrize("name", [*EFFECTS, *OFF_LIBRARY])
-def test_every_effect_keeps_the_types_the_kernel_was_compiled_for(name):
+@pytest.mark.parametrize(
+    ("machine", "effect"),
+    [(Machine(), e) for e in (EFFECTS | OFF_LIBRARY).values()]
+    + [(Slider(), e) for e in slider_effects.EFFECTS.values()],
+)
+def test_every_effect_keeps_the_types_the_kernel_was_compiled_for(machine, effect):
     """A changed type would recompile the kernel for seconds, or fail to."""
-    table = {**EFFECTS, **OFF_LIBRARY}
     for seed in range(8):
-        machine, parameters = table[name](np.random.default_rng(seed), Machine())
-        for field, default in zip(Machine._fields, Machine()):
-            assert type(getattr(machine, field)) is type(default), field
+        changed, parameters = effect(np.random.default_rng(seed), machine)
+        for field, default in zip(machine._fields, machine):
+            assert type(getattr(changed, field)) is type(default), field
         assert parameters

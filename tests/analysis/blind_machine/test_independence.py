@@ -6,7 +6,7 @@ from importlib.resources import files
 import pytest
 
 PACKAGE = "gapscope.analysis.blind_machine"
-ALLOWED = {"numpy", "numba", "yaml", "collections", "dataclasses", "pathlib", "typing"}
+ALLOWED = {"numpy", "types", "numba", "yaml", "collections", "dataclasses", "pathlib", "typing"}
 SOURCES = sorted(p for p in files(PACKAGE).iterdir() if p.name.endswith(".py"))
 
 

@@ -1,0 +1,187 @@
+"""The blind check: cases from an independent machine, sealed answers, diagnoses, then the score.
+
+1. Write the log sets of all cases, each answer in its own file with a random salt.
+2. Seal: ``sealed.json`` holds the SHA-256 of every salted answer; its own digest is printed first.
+3. Diagnose each log set; every result is one file, written whole, so a killed run resumes.
+4. Open the answers, recompute the hashes, score (``blind_score``) and report (``blind_report``).
+
+Seeds below 1000 are for tuning an instrument, seeds from 1000 for reporting on it.
+"""
+
+import hashlib
+import json
+import os
+import secrets
+import shutil
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from joblib import Parallel, delayed
+
+from .blind_machine import REPORT_SEEDS_FROM, case_name, write_case
+from .errors import InputError
+from .files import output_folder, write_whole
+
+Diagnose = Callable[[Path, Path], dict[str, Any]]  # log set, output folder -> diagnosis
+Progress = Callable[[str, int, int], None]  # stage, done, total
+
+
+def label(seed: int) -> str:
+    """What results of this seed may be used for."""
+    return "report" if seed >= REPORT_SEEDS_FROM else "tuning"
+
+
+def instrument(logset: Path, out: Path) -> dict[str, Any]:
+    """What ``gapscope diagnose`` writes for this log set."""
+    from .commands.diagnose import diagnose
+
+    diagnose(logset=str(logset), out=out, quiet=True)
+    result = out / "diagnosis.json"
+    if not result.exists():
+        raise FileNotFoundError(f"{out}: gapscope diagnose wrote no diagnosis.json")
+    diagnosis: dict[str, Any] = json.loads(result.read_text())
+    return diagnosis
+
+
+def run(
+    *,
+    seed: int,
+    cases: int,
+    out: Path,
+    workers: int = 1,
+    diagnose: Diagnose = instrument,
+    progress: Progress = lambda stage, done, total: None,
+    sealed: Callable[[str], None] = lambda digest: None,
+) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+    """All stages up to the opened answers: (answer, result) of every case, in order.
+
+    ``sealed`` is called with the digest of ``sealed.json`` before the first diagnosis. A result is
+    ``{"diagnosis": ..., "error": None, "seconds": ...}``; an instrument that raises has failed that
+    case, which is scored as such and tried again when the run is repeated.
+    Raises InputError if ``out`` holds another run or its seal is broken.
+    """
+    for folder in (out, out / "cases", out / "answers", out / "results"):
+        output_folder(folder)
+    _refuse_another_run(out, seed, cases)
+    names = [case_name(i) for i in range(cases)]
+    missing = [i for i in range(cases) if not (out / "answers" / f"{names[i]}.json").exists()]
+    _each(_write, [(seed, i, out) for i in missing], workers, "write", cases, progress)
+    sealed(seal(out, seed, names))
+    open_cases = [name for name in names if not _finished(out / "results" / f"{name}.json")]
+    todo = [(diagnose, name, out) for name in open_cases]
+    _each(_diagnose, todo, workers, "diagnose", cases, progress)
+    broken = verify(out)
+    if broken:
+        raise InputError(
+            out, f"answers do not match the seal: {', '.join(broken)}", "untouched answers"
+        )
+    return [(_opened(out, name)["answer"], _result(out, name)) for name in names]
+
+
+def seal(out: Path, seed: int, names: Iterable[str]) -> str:
+    """Write ``sealed.json`` if it is not there; return its SHA-256."""
+    path = out / "sealed.json"
+    if not path.exists():
+        hashes = {name: _hash(**_opened(out, name)) for name in names}
+        content = {
+            "seed": seed,
+            "use": label(seed),
+            "hash": "sha256(salt + JSON of the answer, sorted keys, no spaces)",
+            "answers": hashes,
+        }
+        write_whole(path, json.dumps(content, indent=1) + "\n")
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def verify(out: Path) -> list[str]:
+    """Names of the cases whose answer or log set differs from what was sealed; empty if none."""
+    hashes = json.loads((out / "sealed.json").read_text())["answers"]
+    return [
+        name
+        for name, expected in hashes.items()
+        if _hash(**_opened(out, name)) != expected
+        or _opened(out, name)["answer"]["logs_sha256"] != _digest_logs(out / "cases" / name)
+    ]
+
+
+def _write(seed: int, index: int, out: Path) -> None:
+    name = case_name(index)
+    folder, draft = out / "cases" / name, out / "cases" / f".{name}.{os.getpid()}"
+    answer = write_case(seed, index, draft)
+    shutil.rmtree(folder, ignore_errors=True)
+    draft.rename(folder)
+    answer["logs_sha256"] = _digest_logs(folder)
+    content = {"salt": secrets.token_hex(16), "answer": answer}
+    write_whole(out / "answers" / f"{name}.json", json.dumps(content, indent=1) + "\n")
+
+
+def _diagnose(diagnose: Diagnose, name: str, out: Path) -> None:
+    began = time.perf_counter()
+    diagnosis, error = None, None
+    folder = out / "diagnoses" / name
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        diagnosis = diagnose(out / "cases" / name, folder)
+    except Exception as raised:  # a crash is a failed case of the check, not the end of it
+        error = f"{type(raised).__name__}: {raised}"
+    seconds = time.perf_counter() - began
+    result = {"diagnosis": diagnosis, "error": error, "seconds": seconds}
+    write_whole(out / "results" / f"{name}.json", json.dumps(result, indent=1) + "\n")
+
+
+def _each(
+    function: Callable[..., None],
+    calls: list[tuple[Any, ...]],
+    workers: int,
+    stage: str,
+    total: int,
+    progress: Progress,
+) -> None:
+    done = total - len(calls)
+    progress(stage, done, total)
+    parallel = Parallel(n_jobs=workers, return_as="generator_unordered")
+    for _ in parallel(delayed(function)(*call) for call in calls):
+        done += 1
+        progress(stage, done, total)
+
+
+def _refuse_another_run(out: Path, seed: int, cases: int) -> None:
+    if not (out / "sealed.json").exists():
+        return
+    found = json.loads((out / "sealed.json").read_text())
+    if found["seed"] != seed or len(found["answers"]) != cases:
+        raise InputError(
+            out,
+            f"holds a run of {len(found['answers'])} cases of seed {found['seed']}",
+            f"{cases} cases of seed {seed}",
+            "Choose another folder, or repeat with the same numbers to resume.",
+        )
+
+
+def _finished(path: Path) -> bool:
+    return path.exists() and json.loads(path.read_text())["error"] is None
+
+
+def _opened(out: Path, name: str) -> dict[str, Any]:
+    content: dict[str, Any] = json.loads((out / "answers" / f"{name}.json").read_text())
+    return content
+
+
+def _result(out: Path, name: str) -> dict[str, Any]:
+    content: dict[str, Any] = json.loads((out / "results" / f"{name}.json").read_text())
+    return content
+
+
+def _hash(salt: str, answer: dict[str, Any]) -> str:
+    text = json.dumps(answer, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256((salt + text).encode()).hexdigest()
+
+
+def _digest_logs(folder: Path) -> str:
+    digest = hashlib.sha256()
+    for path in sorted(folder.iterdir()):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()

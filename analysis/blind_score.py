@@ -1,0 +1,330 @@
+"""The score of a blind run: what was named, how often rightly, and how well it knew.
+
+A diagnosis names a set of ids: its ``effects`` if ``explained``, none if ``no_gap``, ``unknown`` if
+``unexplained``. ``ambiguous`` names nothing; its first hypothesis still counts for top-1 and its
+first two for top-2. An answer is right when the sets are equal: of a pair, both and nothing else.
+
+The targets are judged on *visible* cases, whose every effect moves the residual by at least five
+times the repeatability floor (measured by the generator, against the same machine without it).
+Proportions carry Wilson intervals, the rest percentile-bootstrap intervals over cases, both 95 %.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+Array = NDArray[np.float64]
+VISIBLE = 5.0  # times the floor
+BINS = 10
+UNKNOWN = frozenset({"unknown"})
+EXPLAINED, NO_GAP, UNEXPLAINED, AMBIGUOUS, FAILED = (
+    "explained",
+    "no_gap",
+    "unexplained",
+    "ambiguous",
+    "failed",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """One case: its answer beside what the diagnosis said."""
+
+    name: str
+    kind: str  # none, single, double, off_library
+    truth: frozenset[str]
+    cause: tuple[str, ...]
+    visible: bool
+    strength: float
+    verdict: str
+    first: frozenset[str]  # best hypothesis; of an abstention, the one it would have named
+    named: tuple[frozenset[str], ...]  # the two best, best first
+    confidence: float | None  # probability of ``first``
+    shrinkage: float | None  # claimed, %
+    attainable: float | None  # with the machine's own model, %
+    parameters: tuple[tuple[str, str, float, float], ...]  # id, name, true, estimated
+    seconds: float
+    error: str | None
+
+    @property
+    def right(self) -> bool:
+        """The first hypothesis is the answer, exactly."""
+        return self.first == self.truth
+
+    @property
+    def right_in_two(self) -> bool:
+        """One of the first two hypotheses is the answer."""
+        return self.truth in (self.first, *self.named)
+
+    @property
+    def claimed(self) -> bool:
+        """The diagnosis commits itself to a mechanism."""
+        return self.verdict == EXPLAINED and self.first != UNKNOWN
+
+
+def outcome(answer: dict[str, Any], result: dict[str, Any]) -> Outcome:
+    """Read one opened answer and one result."""
+    diagnosis = result["diagnosis"] or {}
+    verdict, error = str(diagnosis.get("verdict")), result["error"]
+    if error is None and verdict not in (EXPLAINED, NO_GAP, UNEXPLAINED, AMBIGUOUS):
+        error = f"verdict {verdict!r}; expected explained, no_gap, unexplained or ambiguous"
+    verdict = FAILED if error is not None else verdict
+    ranking = diagnosis.get("ranking") or []
+    ranked = [frozenset(entry["ids"]) for entry in ranking]
+    accepted = frozenset(effect["id"] for effect in diagnosis.get("effects") or [])
+    first = {
+        EXPLAINED: accepted,
+        NO_GAP: frozenset(),
+        UNEXPLAINED: UNKNOWN,
+        AMBIGUOUS: ranked[0] if ranked else UNKNOWN,
+        FAILED: frozenset({FAILED}),
+    }[verdict]
+    shares = [v for k, v in answer["strength"].items() if k != "all"] or [answer["strength"]["all"]]
+    truth = frozenset(answer["answer"])
+    return Outcome(
+        name=answer["name"],
+        kind=answer["kind"],
+        truth=truth,
+        cause=tuple(answer["cause"]),
+        visible=answer["kind"] == "none" or min(shares) >= VISIBLE,
+        strength=answer["strength"]["all"],
+        verdict=verdict,
+        first=first,
+        named=tuple([first, *(r for r in ranked if r != first)][:2]),
+        confidence=_confidence(diagnosis, first, ranking)
+        if verdict in (EXPLAINED, AMBIGUOUS)
+        else None,
+        shrinkage=(diagnosis.get("shrinkage") or {}).get("percent"),
+        attainable=answer.get("attainable_percent"),
+        parameters=tuple(_comparable(answer, diagnosis)) if first == truth else (),
+        seconds=result["seconds"],
+        error=error,
+    )
+
+
+def _confidence(
+    diagnosis: dict[str, Any], first: frozenset[str], ranking: list[dict[str, Any]]
+) -> float | None:
+    for entry in ranking:
+        probability = entry.get("probability")
+        if frozenset(entry["ids"]) == first and probability is not None:
+            return float(probability)
+    effects = diagnosis.get("effects") or []
+    stated = [float(e["probability"]) for e in effects if e.get("probability") is not None]
+    return float(np.prod(stated)) if stated else None
+
+
+def _comparable(
+    answer: dict[str, Any], diagnosis: dict[str, Any]
+) -> list[tuple[str, str, float, float]]:
+    """Parameters that must be the same quantity: alone in their effect with their unit, on both sides.
+
+    True values carry the unit in their name (``delay_s``), estimates beside the value.
+    """
+    pairs = []
+    for effect in diagnosis.get("effects") or []:
+        true = [
+            (name, value)
+            for name, value in answer["parameters"].get(effect["id"], {}).items()
+            if isinstance(value, int | float) and value != 0
+        ]
+        estimates = [e for e in (effect.get("parameters") or {}).items() if isinstance(e[1], dict)]
+        for unit in {str(value.get("unit")) for _, value in estimates}:
+            suffix = "_" + unit.replace(" ", "").replace("/", "_per_")
+            mine = [entry for entry in true if entry[0].endswith(suffix)]
+            theirs = [value["value"] for _, value in estimates if value.get("unit") == unit]
+            if len(mine) == len(theirs) == 1:
+                pairs.append((effect["id"], mine[0][0], float(mine[0][1]), float(theirs[0])))
+    return pairs
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """A number with its 95 % interval and the number of cases behind it."""
+
+    value: float
+    low: float
+    high: float
+    n: int
+
+
+def proportion(hits: Sequence[bool]) -> Estimate:
+    """Share of hits with the Wilson interval; nan and [0, 1] for no cases."""
+    n, k = len(hits), sum(hits)
+    if n == 0:
+        return Estimate(value=float("nan"), low=0.0, high=1.0, n=0)
+    interval = stats.binomtest(k, n).proportion_ci(method="wilson")
+    return Estimate(value=k / n, low=float(interval.low), high=float(interval.high), n=n)
+
+
+def bootstrapped(
+    statistic: Callable[[Array], float], rows: Sequence[Sequence[float]], *, resamples: int = 2000
+) -> Estimate:
+    """``statistic`` of an (n, columns) array, resampling rows (seeded)."""
+    data = np.asarray(rows, dtype=float)
+    n = len(data)
+    if n == 0:
+        return Estimate(value=float("nan"), low=float("nan"), high=float("nan"), n=0)
+    rng = np.random.default_rng(0)
+    values = [statistic(data[rng.integers(n, size=n)]) for _ in range(resamples)]
+    low, high = np.percentile(values, [2.5, 97.5])
+    return Estimate(value=statistic(data), low=float(low), high=float(high), n=n)
+
+
+def calibration_error(confidence_and_right: Array) -> float:
+    """Expected calibration error of (n, 2) rows: sum over ten bins of n_b/n |accuracy - confidence|."""
+    error = 0.0
+    for _, confidence, accuracy, count in reliability(confidence_and_right):
+        error += count / len(confidence_and_right) * abs(accuracy - confidence)
+    return error
+
+
+def reliability(confidence_and_right: Array) -> list[tuple[int, float, float, int]]:
+    """(bin, mean confidence, accuracy, count) of every bin that holds a case."""
+    confidence, right = confidence_and_right.T
+    bins = np.minimum((confidence * BINS).astype(int), BINS - 1)
+    return [
+        (
+            int(b),
+            float(confidence[bins == b].mean()),
+            float(right[bins == b].mean()),
+            int(sum(bins == b)),
+        )
+        for b in np.unique(bins)
+    ]
+
+
+def risk_coverage(outcomes: Sequence[Outcome]) -> list[tuple[float, float]]:
+    """(coverage, risk) as ever less confident claims are accepted, over cases that have a gap.
+
+    Coverage is the share of those cases with an accepted claim, risk the share of wrong ones in it.
+    """
+    gaps = [o for o in outcomes if o.kind != "none"]
+    claims = sorted((o for o in gaps if o.claimed), key=lambda o: -(o.confidence or 0.0))
+    wrong = np.cumsum([not o.right for o in claims])
+    return [
+        ((i + 1) / len(gaps), float(wrong[i]) / (i + 1))
+        for i in range(len(claims))
+        if i + 1 == len(claims) or claims[i].confidence != claims[i + 1].confidence
+    ]
+
+
+def confusion(outcomes: Sequence[Outcome]) -> tuple[list[str], list[str], NDArray[np.int_]]:
+    """Truths, predictions and counts of the single-effect, no-effect and off-library cases."""
+    told = [o for o in outcomes if o.kind != "double"]
+    truths = sorted({_word(o.truth) for o in told}, key=_order)
+    predictions = sorted({*truths, *(_prediction(o) for o in told)}, key=_order)
+    counts = np.zeros((len(truths), len(predictions)), dtype=int)
+    for o in told:
+        counts[truths.index(_word(o.truth)), predictions.index(_prediction(o))] += 1
+    return truths, predictions, counts
+
+
+def _word(ids: frozenset[str]) -> str:
+    if len(ids) > 1:
+        return "several"
+    return next(iter(ids), NO_GAP)
+
+
+def _prediction(o: Outcome) -> str:
+    return o.verdict if o.verdict in (AMBIGUOUS, FAILED) else _word(o.first)
+
+
+def _order(word: str) -> tuple[int, str]:
+    last = (NO_GAP, "unknown", "several", AMBIGUOUS, FAILED)
+    return (last.index(word) + 1 if word in last else 0, word)
+
+
+def summary(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    """Every number of the score, as JSON-ready dictionaries of estimates."""
+    visible = [o for o in outcomes if o.visible]
+    single = [o for o in visible if o.kind == "single"]
+    double = [o for o in visible if o.kind == "double"]
+    off = [o for o in visible if o.kind == "off_library"]
+    none = [o for o in outcomes if o.kind == "none"]
+    gaps = [o for o in visible if o.kind in ("single", "double")]
+    sure = [(o.confidence, float(o.right)) for o in visible if o.confidence is not None]
+    removed = [[o.shrinkage] for o in gaps if o.claimed and o.shrinkage is not None]
+    both = [
+        (o.shrinkage, o.attainable)
+        for o in gaps
+        if o.claimed and o.shrinkage is not None and o.attainable is not None
+    ]
+    return {
+        "cases": {
+            kind: {
+                "all": sum(o.kind == kind for o in outcomes),
+                "visible": sum(o.kind == kind for o in visible),
+            }
+            for kind in ("none", "single", "double", "off_library")
+        },
+        "top1": proportion([o.right for o in gaps]),
+        "top2": proportion([o.right_in_two for o in gaps]),
+        "top1_single": proportion([o.right for o in single]),
+        "top2_single": proportion([o.right_in_two for o in single]),
+        "top1_double": proportion([o.right for o in double]),
+        "double_at_least_one": proportion([bool(o.first & o.truth) for o in double]),
+        "double_nothing_wrong": proportion([o.first <= o.truth for o in double]),
+        "named": proportion([o.claimed and o.right for o in gaps]),
+        "wrong_claims": proportion([o.claimed and not o.right for o in gaps]),
+        "abstentions": proportion([o.verdict in (UNEXPLAINED, AMBIGUOUS, NO_GAP) for o in gaps]),
+        "rightly_ambiguous": proportion(
+            [o.truth in o.named for o in gaps if o.verdict == AMBIGUOUS]
+        ),
+        "false_alarms": proportion([o.verdict != NO_GAP for o in none]),
+        "off_library_withheld": proportion(
+            [o.verdict in (UNEXPLAINED, AMBIGUOUS) or o.first == UNKNOWN for o in off]
+        ),
+        "off_library_false": proportion([o.claimed for o in off]),
+        "off_library_no_gap": proportion([o.verdict == NO_GAP for o in off]),
+        "failed": proportion([o.verdict == FAILED for o in outcomes]),
+        "top1_faint": proportion(
+            [o.right for o in outcomes if not o.visible and o.kind in ("single", "double")]
+        ),
+        "wrong_claims_faint": proportion(
+            [
+                o.claimed and not o.right
+                for o in outcomes
+                if not o.visible and o.kind in ("single", "double")
+            ]
+        ),
+        "ece": bootstrapped(calibration_error, sure),
+        "removed_percent": bootstrapped(_median, removed),
+        "shrinkage_error_percent": bootstrapped(
+            lambda a: float(np.median(np.abs(a[:, 0] - a[:, 1]))), both
+        ),
+        "seconds": bootstrapped(_median, [[o.seconds] for o in outcomes]),
+        "by_mechanism": {
+            name: {
+                "top1": proportion([o.right for o in rows]),
+                "top2": proportion([o.right_in_two for o in rows]),
+                "faint": sum(o.kind == "single" and o.cause == (name,) for o in outcomes)
+                - len(rows),
+            }
+            for name in sorted({o.cause[0] for o in outcomes if o.kind == "single"})
+            for rows in [[o for o in single if o.cause == (name,)]]
+        },
+        "by_off_library": {
+            name: proportion([not o.claimed for o in off if o.cause == (name,)])
+            for name in sorted({o.cause[0] for o in outcomes if o.kind == "off_library"})
+        },
+        "parameters": _parameter_errors(outcomes),
+    }
+
+
+def _median(column: Array) -> float:
+    return float(np.median(column))
+
+
+def _parameter_errors(outcomes: Sequence[Outcome]) -> dict[str, Estimate]:
+    """Median relative error of every parameter both sides name alike, in rightly named cases."""
+    errors: dict[str, list[list[float]]] = {}
+    for o in outcomes:
+        for effect, name, true, estimated in o.parameters:
+            size = abs(estimated - true) / max(abs(true), 1e-12)
+            errors.setdefault(f"{effect} {name}", []).append([size])
+    return {key: bootstrapped(_median, rows) for key, rows in sorted(errors.items())}
