@@ -98,8 +98,10 @@ class Fit:
     held_out_rms: float  # residual on held-out fit runs [position unit]
     importance: Array  # (p,) relative rise of the fit loss without the parameter, linearised
     converged: bool
-    residual: Array  # all residuals of the fit runs in one vector
-    jacobian: Array  # (residuals, p) in the parameters' scales
+    # All residuals of the fit runs in one vector, and their derivatives (residuals, p) by the
+    # parameters in units of their scales; empty where fits do not build on each other.
+    residual: Array = field(default_factory=lambda: np.zeros(0))
+    jacobian: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     def by_key(self) -> dict[tuple[str, str], float]:
         """Values by key."""

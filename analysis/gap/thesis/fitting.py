@@ -74,8 +74,12 @@ class TableProblem:
         """Best point that a bounded trust-region search from ``start`` finds."""
         if not self.parameters:
             return start
+
+        def flat(x: Array) -> Array:
+            return np.asarray(self.errors(x).ravel())
+
         solution = least_squares(
-            lambda x: self.errors(x).ravel(),
+            flat,
             self.inside(start),
             jac=self.jacobian,
             bounds=(self.lower, self.upper),
