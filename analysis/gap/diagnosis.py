@@ -236,7 +236,7 @@ def _scales(runs: Sequence[RunData]) -> Scales:
         rate_peak=float(np.max(np.abs(rate))),
         travel=travel,
         dt=runs[0].dt,
-        duration=max(run.start + float(np.ptp(run.t)) for run in runs) - min(r.start for r in runs),
+        duration=max(run.start for run in runs) - min(run.start for run in runs),
         lsb=runs[0].lsb or 1e-6 * travel,
     )
 

@@ -28,7 +28,7 @@ class Scales:
         return max(4.0 * self.lsb, 1e-4 * self.travel)
 
     dt: float  # [s]
-    duration: float  # from the start of the first run to the end of the last [s]
+    duration: float  # from the start of the first run to that of the last, 0 if not known [s]
 
 
 Values = Mapping[str, float]

@@ -52,7 +52,9 @@ def c_drive_machine(parameters: CDriveParameters, relative: float) -> Machine:
     own = {
         "inertia_translation": ("kg m^2", M[0, 0] - M[0, 1]),
         "inertia_rotation": ("kg m^2", M[0, 0] + M[0, 1]),
-        "beta": ("N m s/rad", parameters.beta),
+        # Each motor has bearings of its own: the tolerance is theirs, not that of their mean.
+        "beta_left": ("N m s/rad", parameters.beta),
+        "beta_right": ("N m s/rad", parameters.beta),
         "gamma": ("N m s/rad", parameters.gamma),
     }
 
@@ -60,8 +62,11 @@ def c_drive_machine(parameters: CDriveParameters, relative: float) -> Machine:
         slide, turn = values["inertia_translation"], values["inertia_rotation"]
         inertia = 0.5 * np.array([[turn + slide, turn - slide], [turn - slide, turn + slide]])
         plant = Plant(inertia=inertia, drive=c_drive.drive(parameters).copy())
-        half_gamma = 0.5 * values["gamma"]
-        plant.drive.element[:, VISCOUS] = [values["beta"], values["beta"], half_gamma]
+        plant.drive.element[:, VISCOUS] = [
+            values["beta_left"],
+            values["beta_right"],
+            0.5 * values["gamma"],
+        ]
         return plant
 
     return Machine(
@@ -82,7 +87,7 @@ def c_drive_machine(parameters: CDriveParameters, relative: float) -> Machine:
                 scale=2e-3,
             ),
         ),
-        viscous_own=("beta", "gamma"),
+        viscous_own=("beta_left", "beta_right", "gamma"),
         ripples={f"1/{k} turn" if k > 1 else "1 turn": float(k) for k in RIPPLES_PER_TURN},
         motor_share=ROTOR_INERTIA / (M[0, 0] - M[0, 1]),
         bandwidth=100.0,

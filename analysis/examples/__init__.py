@@ -1,0 +1,1 @@
+"""Examples that a reader can learn from; each is run by a test."""
