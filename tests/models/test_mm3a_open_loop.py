@@ -34,6 +34,17 @@ def test_re_planning_with_the_true_model_stays_within_half_a_step_of_the_path():
     assert np.linalg.norm(tips - path, axis=1).max() < HALF_STEP_AT_TIP
 
 
+def test_a_joint_steps_as_soon_as_it_is_half_a_step_behind():
+    """On a path so slow that it moves by 2 % of a step per tick."""
+    tip = np.array(kinematics.tip(START, ARM))
+    path = open_loop.straight_path(tip, tip + 40e-6 * np.array([0.6, 0.48, 0.64]), 2e-6)
+    _, believed = open_loop.follow(path, START)
+    wanted = np.array([kinematics.inverse(point, ARM) for point in path])
+    errors = np.abs(believed[1:] - wanted).max(axis=0)
+    sizes = [np.abs(np.diff(believed[:, joint])).max() for joint in range(3)]
+    np.testing.assert_allclose(errors / sizes, 0.5, atol=0.05)
+
+
 def test_differential_conversion_is_exact_for_small_moves_and_errs_with_distance():
     """Second order in the move: steps and Jacobian are taken at the start only."""
     errors = []
