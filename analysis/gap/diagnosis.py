@@ -24,6 +24,7 @@ from .effects import Scales, forms_for
 from .fitting import Predictor, fit
 from .floor import noise_floor
 from .hypothesis import Fit, Hypothesis
+from .inverse_model import Structure, inverse_model
 from .location import locate
 from .logset import FILE, LogSet, load_logset
 from .machine import Array, Machine, RunData
@@ -58,6 +59,7 @@ class Diagnosis:
     location: dict[str, list[dict[str, Any]]]
     shrinkage: Shrinkage
     closed_loop: dict[str, Any]
+    inverse_model: tuple[Structure, ...]  # relative effort errors of growing structures
     warnings: tuple[str, ...]
     next_experiment: dict[str, Any]
     provenance: dict[str, Any]
@@ -75,6 +77,10 @@ class Diagnosis:
             "shrinkage": _shrinkage_json(self.shrinkage, self.closed_loop),
             "warnings": list(self.warnings),
             "next_experiment": self.next_experiment,
+            "inverse_model": [
+                {"structure": s.name, "relative_error": s.relative_error, **s.parameters}
+                for s in self.inverse_model
+            ],
             "retuned": {key[1]: value for key, value in self.retuned.by_key().items()},
             "controller_replay": [
                 {"run": c.run, "relative_disagreement": c.disagreement} for c in self.replays
@@ -184,6 +190,7 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
         location=locate(fit_runs, residuals, machine, seed),
         shrinkage=shrunk,
         closed_loop=loops,
+        inverse_model=tuple(inverse_model(machine, runs)),
         warnings=tuple(_warnings(log, replays, ranking, shrunk)),
         next_experiment=_next_experiment(predictor, ranking, verdict),
         provenance=_provenance(log, seed, predictor.simulations, time.perf_counter() - started),

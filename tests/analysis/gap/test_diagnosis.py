@@ -6,6 +6,9 @@ import pytest
 
 from gapscope.analysis.gap.diagnosis import diagnose
 from gapscope.analysis.gap.effects import Effect, catalogue, register
+from gapscope.analysis.gap.inverse_model import inverse_model
+from gapscope.analysis.gap.logset import load_logset
+from gapscope.analysis.gap.machines import read_machine
 from gapscope.models.drive import BACKWARD, BIAS, DELAY, FORWARD, WIDTH
 
 from .conftest import write_logset
@@ -115,3 +118,10 @@ def test_emps_dry_friction_and_offset(shared_data):
         loops["after"]["relative_command_error"] < 0.059 < loops["before"]["relative_command_error"]
     )
     assert result["shrinkage"]["ci95"][0] > 85.0
+
+
+def test_emps_inverse_model_errors_fall_as_published(shared_data):
+    """Relative force errors of the issue's measured sequence, each within 6 % of itself."""
+    machine, runs = read_machine(load_logset(shared_data / "emps"))
+    errors = [s.relative_error for s in inverse_model(machine, runs)]
+    assert errors == pytest.approx([0.695, 0.180, 0.072, 0.041, 0.032], rel=0.06)
