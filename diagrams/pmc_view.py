@@ -31,6 +31,19 @@ def replay_html(
     # Meshcat announces a server that nobody needs here.
     logging.getLogger("drake").setLevel(logging.WARNING)
     meshcat = Meshcat(MeshcatParams(host="localhost", show_stats_plot=False))
+    publish(meshcat, time, joints, parameters, reference, frames_per_second)
+    return str(meshcat.StaticHtml())
+
+
+def publish(
+    meshcat: Meshcat,
+    time: Floats,
+    joints: Floats,
+    parameters: PMCParameters,
+    reference: Floats | None = None,
+    frames_per_second: float = 25.0,
+) -> None:
+    """Put the same animation into a running Meshcat, to be watched live at ``meshcat.web_url()``."""
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
     add_pmc(plant, parameters, closed=False)
@@ -54,7 +67,6 @@ def replay_html(
         diagram.ForcedPublish(context)
     meshcat.StopRecording()
     meshcat.PublishRecording()
-    return str(meshcat.StaticHtml())
 
 
 def _draw_path(meshcat: Meshcat, name: str, poses: Floats, colour: Rgba) -> None:

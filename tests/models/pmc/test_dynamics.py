@@ -160,12 +160,12 @@ def test_joint_motion_is_the_derivative_of_the_inverse_analysis():
 
 
 def test_faster_than_real_time():
-    """Asked: 500 x real time, controller and ODE4 at 1 kHz; of the thread, for the machine is busy."""
+    """Asked: 500 x real time, controller and ODE4 at 1 kHz; measured 820. Best of 50 cycles, time of the thread."""
     place = Placement(x=0.299, y=0.299, z=-0.22, phi=PROTOTYPE.geometry.centre_angle, direction=0.8)
-    reference = simulation.sample_cycle(LameCycle(placement=place), PROTOTYPE, cycles=0.1)
+    reference = simulation.sample_cycle(LameCycle(placement=place), PROTOTYPE)
     start = reference.joints[0]
     times = []
-    for _ in range(21):
+    for _ in range(50):
         begin = time.thread_time()
         simulation.run(reference, CONTROLLERS["pd"], PROTOTYPE, start=start)
         times.append(time.thread_time() - begin)
