@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .effects import Form
-from .fitting import Predictor, fit
+from .fitting import SCREEN, Predictor, fit
 from .hypothesis import Fit, Hypothesis, price
 from .machine import Array
 
@@ -20,6 +20,9 @@ MOST_EFFECTS = 3
 BEAM = 2  # single effects that a second one is added to
 LEAST_GAIN = 0.02  # smallest fall of the log residual worth a first effect, beyond its price
 LEAST_FURTHER_GAIN = 0.1  # the same for every further effect or a richer form
+FURTHER_SCREEN = (
+    0.08  # a further effect must lower the loss by more than this; LEAST_FURTHER_GAIN: 0.18
+)
 NEAR_FLOOR = 1.03  # a residual this close to the floor, as a ratio, leaves nothing to explain
 IDLE = 1e-3  # a parameter whose loss rises by less than this without it goes at once
 RESAMPLES = 1000
@@ -54,9 +57,11 @@ def attribute(
     parents = [f for f in sorted(singles, key=lambda f: f.score) if _better(f, retuned)][:BEAM]
     best = parents[0] if parents else retuned
     while parents and len(best.hypothesis.forms) < MOST_EFFECTS:
-        if best.held_out_rms < NEAR_FLOOR * floor:
+        # Impacts leave a residual too rough to tell a further effect from a better optimum.
+        if best.held_out_rms < NEAR_FLOOR * floor or best.hypothesis.rough:
             break
-        children = [c for p in parents for c in _add_each(predictor, p, plain, progress)]
+        smooth = [p for p in parents if not p.hypothesis.rough]
+        children = [c for p in smooth for c in _add_each(predictor, p, plain, progress)]
         children = sorted(_best_by_ids(children), key=lambda f: f.score)
         if not children:
             break
@@ -87,7 +92,9 @@ def _add_each(
         progress(f"{parent.hypothesis.label} + {form.effect}, {form.name}")
         same = [f for f in children if f.hypothesis.ids[-1] == form.effect]
         warm = min(same, key=lambda f: f.score) if same else parent
-        children.append(fit(predictor, parent.hypothesis.with_form(form), warm))
+        child = parent.hypothesis.with_form(form)
+        screen = FURTHER_SCREEN if parent.hypothesis.forms else SCREEN
+        children.append(fit(predictor, child, warm, screen))
     return children
 
 

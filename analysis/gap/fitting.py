@@ -143,15 +143,17 @@ class _Problem:
         return np.clip(x, self.lower + margin, self.upper - margin)
 
 
-def fit(predictor: Predictor, hypothesis: Hypothesis, warm: Fit | None = None) -> Fit:
+def fit(
+    predictor: Predictor, hypothesis: Hypothesis, warm: Fit | None = None, screen: float = SCREEN
+) -> Fit:
     """Best parameters of a hypothesis on the predictor's runs, with held-out losses.
 
     ``warm`` is a fit whose values are starting points where the keys agree. A hypothesis whose
-    linearised residual cannot fall noticeably below that of ``warm`` is taken where the linear step
-    leads and not searched further; its losses are those of the fit runs, which can only flatter it.
+    linearised loss cannot fall below that of ``warm`` by the share ``screen`` is taken where the linear
+    step leads and not searched further; its losses are those of the fit runs, which can only flatter it.
     """
     problem = _Problem(predictor, hypothesis)
-    x, jac, searched = _search(problem, warm)
+    x, jac, searched = _search(problem, warm, screen)
     final = problem.runs([x])[0]
     span = np.minimum(problem.upper - problem.lower, 1e9)
     at_bound = (x - problem.lower < 1e-4 * span) | (problem.upper - x < 1e-4 * span)
@@ -177,7 +179,7 @@ def fit(predictor: Predictor, hypothesis: Hypothesis, warm: Fit | None = None) -
     )
 
 
-def _search(problem: _Problem, parent: Fit | None) -> tuple[Array, Array, bool]:
+def _search(problem: _Problem, parent: Fit | None, screen: float) -> tuple[Array, Array, bool]:
     """Best point, its Jacobian, and whether a search led there or only a linear step."""
     best_x, best_jac, best_cost, searched = np.zeros(0), np.zeros((0, 0)), np.inf, False
     bounds = (problem.lower, problem.upper)
@@ -186,7 +188,7 @@ def _search(problem: _Problem, parent: Fit | None) -> tuple[Array, Array, bool]:
         step = _linear_step(jac, residual, start, bounds)
         predicted = float(np.sum((residual + jac @ step) ** 2))
         found = [(start, jac)]
-        if parent is not None and predicted > (1.0 - SCREEN) * parent.rms**2 * residual.size:
+        if parent is not None and predicted > (1.0 - screen) * parent.rms**2 * residual.size:
             found.append((start + step, jac))
         else:
             searched = True

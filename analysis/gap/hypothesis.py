@@ -54,6 +54,11 @@ class Hypothesis:
         return [p for p in form.parameters if (form.effect, p.name) not in self.dropped]
 
     @property
+    def rough(self) -> bool:
+        """Whether a form has impacts, which derivatives do not see through."""
+        return any(form.step > 0.0 for form in self.forms)
+
+    @property
     def size(self) -> int:
         """Number of parameters beyond the nominal structure."""
         return sum(len(self.kept(form)) for form in self.forms)
