@@ -99,7 +99,7 @@
     const x = (t) => LEFT + (width - LEFT - RIGHT) * (t - from) / (to - from);
     const y = (v) => TOP + (HEIGHT - TOP - BOTTOM) * (high - v) / (high - low);
     panel.geometry = { width, x, invert: (px) => from + (to - from) * (px - LEFT) / (width - LEFT - RIGHT) };
-    const [rows, rowStep] = ticks(low, high, 4);
+    const [rows, rowStep] = ticks(low, high, 6);
     for (const v of rows) {
       element(svg, "path", { class: "grid", d: `M${LEFT} ${y(v)}H${width - RIGHT}` });
       element(svg, "text", { x: LEFT - 6, y: y(v) + 4, "text-anchor": "end" }, label(v, rowStep));
@@ -180,7 +180,8 @@
   }
 
   const legend = root.querySelector(".legend");
-  for (const name of new Set(panels.flatMap((p) => p.series.map((s) => s.name)))) {
+  const names = new Set(["measured", ...panels.flatMap((p) => p.series.map((s) => s.name))]);
+  for (const name of names) {
     const button = document.createElement("button");
     button.type = "button";
     button.className = name;

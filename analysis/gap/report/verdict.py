@@ -90,14 +90,10 @@ def _effects(d: Diagnosis) -> list[dict[str, str]]:
 
 def _confidence(d: Diagnosis) -> str:
     best = d.verdict.accepted or d.ranking[0]
-    wins = f"{percent(best.probability, 1)} of {RESAMPLES} resamplings of the held-out data"
     if d.verdict.verdict == "explained" and d.verdict.accepted is None:
         return "Confidence: very high. The stated controller's own law gives it away."
     if d.verdict.verdict == "explained":
-        return (
-            f"Confidence: {confidence(best.probability)}. This explanation wins in {wins}. That "
-            "weighs it against every other hypothesis tried, not against effects outside the catalogue."
-        )
+        return _confidence_in(best, d)
     if d.verdict.verdict == "ambiguous":
         shares = [
             f"{r.fit.hypothesis.label} wins in {percent(r.probability, 1)}"
@@ -116,6 +112,31 @@ def _confidence(d: Diagnosis) -> str:
         f"The best hypothesis tried, {d.ranking[0].fit.hypothesis.label}, removes "
         f"{percent(max(removed, 0.0)) if removed is not None else 'none'} of the gap; "
         f"{percent(LEAST_REMOVED)} are asked before it is believed."
+    )
+
+
+def _confidence_in(accepted: Ranked, d: Diagnosis) -> str:
+    """How often the accepted effects are part of what wins, and how often they are all of it."""
+    ids = set(accepted.fit.hypothesis.ids)
+    containing = [r for r in d.ranking if ids <= set(r.fit.hypothesis.ids)]
+    probability = min(sum(r.probability for r in containing), 1.0)
+    what = "this effect is" if len(ids) == 1 else "these effects are"
+    text = (
+        f"Confidence: {confidence(probability)}. In {percent(probability, 1)} of {RESAMPLES} resamplings "
+        f"of the held-out data {what} in the winning hypothesis"
+    )
+    richest = max(containing, key=lambda r: r.probability)
+    if richest is not accepted:
+        more = listed(i for i in richest.fit.hypothesis.ids if i not in ids)
+        text += (
+            f"; most often together with {more}, which is not accepted because the simpler hypothesis "
+            "is likely as well"
+        )
+    elif len(containing) > 1 and accepted.probability < probability - 0.01:
+        text += f", in {percent(accepted.probability, 1)} alone"
+    return (
+        f"{text}. That weighs them against every other hypothesis tried, not against effects outside the "
+        "catalogue."
     )
 
 

@@ -55,6 +55,11 @@ def why_not(rival: Ranked, winner: Ranked) -> str:
         words = f"{start} {error} is {number(ratio)} times as large"
     elif ratio > 1.0:
         words = f"{start} {error} is no smaller"
+    elif rival.fit.score < winner.fit.score and extra and not missing:
+        words = (
+            f"{start} the held-out error is only {percent(1.0 - ratio, 1)} smaller; the simpler hypothesis "
+            "is likely as well, and preferred"
+        )
     else:
         asked = 1.0 - math.exp(price(mine) - price(its))
         words = f"{start} {error} is only {percent(1.0 - ratio, 1)} smaller"
