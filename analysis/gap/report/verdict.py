@@ -8,6 +8,8 @@ from ..verdict import LEAST_REMOVED
 from .base import Material, Section
 from .words import confidence, listed, meaning, number, percent, place, places
 
+REMAINDER = 1.5  # times the floor from which on what is left is said in front
+
 TITLES = {
     "explained": "Explained",
     "no_gap": "No gap",
@@ -148,12 +150,14 @@ def _how_far(d: Diagnosis) -> str:
             f"{start}of the nominal model is {number(s.before, unit)}, at the noise floor of "
             f"{number(s.floor, unit)}."
         )
-    ends = f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f} %"
+    ends = f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f}\N{NO-BREAK SPACE}%"
     verb = "falls" if s.after < s.before else "goes"
-    model = "with it in the model" if d.verdict.accepted or d.findings else "by retuning alone"
+    model = "with this in the model" if d.verdict.accepted or d.findings else "by retuning alone"
+    left = s.after / s.floor
+    rest = f" What is left is {number(left)} times the floor." if left > REMAINDER else ""
     return (
         f"{start}{verb} from {number(s.before, unit)} to {number(s.after, unit)} {model}; the noise "
-        f"floor is {number(s.floor, unit)}. That removes {s.percent:.1f} % of the gap ({ends})."
+        f"floor is {number(s.floor, unit)}. That removes {s.percent:.1f}\N{NO-BREAK SPACE}% of the gap ({ends}).{rest}"
     )
 
 
@@ -183,14 +187,18 @@ def _figures(d: Diagnosis) -> list[dict[str, str]]:
     if s.percent is not None and s.ci95 is not None:
         gone = {
             "label": "of the gap removed",
-            "value": f"{s.percent:.0f} %",
-            "note": f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f} %",
+            "value": f"{s.percent:.0f}\N{NO-BREAK SPACE}%",
+            "note": f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f}\N{NO-BREAK SPACE}%",
         }
-    relative = [100.0 * v / s.relative_to_command for v in (s.before, s.after, s.floor)]
+    relative = [v / s.relative_to_command for v in (s.before, s.after, s.floor)]
     return [
         gone,
         *(
-            {"label": label, "value": number(value, unit), "note": f"{share:.1f} % of the command"}
+            {
+                "label": label,
+                "value": number(value, unit),
+                "note": f"{percent(share, 1)} of the command",
+            }
             for label, value, share in zip(
                 ("unexplained before", "unexplained after", "noise floor"),
                 (s.before, s.after, s.floor),

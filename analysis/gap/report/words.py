@@ -84,7 +84,9 @@ def signature(effect: str) -> str:
 
 
 def place(where: Mapping[str, Any], machine: Machine) -> str:
-    """Where an effect acts, such as ``left``; empty when it says nothing."""
+    """Where an effect acts, such as ``left``; empty on a machine with one place only."""
+    if len(machine.elements) == 1:
+        return ""
     parts = []
     for value in where.values():
         names = [str(v) for v in value] if isinstance(value, list | tuple) else [str(value)]
