@@ -81,7 +81,7 @@ def _row(ranked: Ranked, place: int, winner: Ranked, d: Diagnosis) -> dict[str, 
         "held_out": number(ranked.fit.held_out_rms),
         "validation": number(d.validation[frozenset(hypothesis.ids)]),
         "gain": number(math.exp(ranked.gain)),
-        "gain_interval": interval([math.exp(end) for end in ranked.gain_interval]),
+        "gain_interval": " to ".join(number(math.exp(end)) for end in ranked.gain_interval),
         "parameters": hypothesis.size,
         "why": "" if ranked is winner else why_not(ranked, winner),
     }
