@@ -35,6 +35,10 @@ def context(material: Material) -> dict[str, Any]:
             (f.effect, f.form, f.evidence, _values(f.parameters)) for f in d.findings
         ],
         "own": _own(d),
+        "structures": [
+            {"name": s.name, "error": percent(s.relative_error, 1), "share": 100.0 * s.relative_error}
+            for s in d.inverse_model
+        ],
     }  # fmt: skip
 
 

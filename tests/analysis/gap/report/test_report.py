@@ -140,6 +140,13 @@ def test_every_hypothesis_is_ranked_with_a_reason(diagnosed, page):
     assert "lost because" in said
 
 
+def test_growing_inverse_models_are_shown(diagnosed, page):
+    said = Outline(page).words
+    for structure in diagnosed["friction"].inverse_model:
+        size = words.percent(structure.relative_error, 1).replace("\N{NO-BREAK SPACE}", " ")
+        assert f"{structure.name} {size}" in " ".join(said.split())
+
+
 def test_no_gap_is_said_without_an_effect(diagnosed):
     assert diagnosed["nothing"].verdict.verdict == "no_gap"
     said = outline(diagnosed["nothing"]).words
