@@ -130,6 +130,7 @@ def test_verdict_comes_first_and_says_effect_place_confidence_and_how_far(diagno
     value, low, high = map(float, level.groups())
     assert low < value < high
     assert value == pytest.approx(LEVEL, rel=0.01)
+    assert "at the end of its range" not in said
 
 
 def test_every_hypothesis_is_ranked_with_a_reason(diagnosed, page):
