@@ -18,32 +18,34 @@
   };
   const ticks = (low, high, count) => {
     const raw = (high - low) / count;
-    const power = 10 ** Math.floor(Math.log10(raw));
-    const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= raw * 0.999);
+    const decade = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].map((m) => m * decade).find((s) => s >= raw * 0.999);
     const out = [];
     for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) out.push(k * step);
     return [out, step];
   };
   const label = (value, step) => {
-    const size = Math.max(Math.abs(value), step);
-    if (value === 0 || Math.abs(value) < 1e-9 * step) return "0";
-    if (size < 1e-3 || size >= 1e5) return value.toPrecision(2).replace("-", "−").replace("e-", "e−");
+    if (Math.abs(value) < 1e-9 * step) return "0";
     return value.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9))).replace("-", "−");
   };
+  const power = (low, high) => {
+    const size = Math.log10(Math.max(Math.abs(low), Math.abs(high)));
+    return size < -1.5 || size >= 4.5 ? 3 * Math.floor(size / 3) : 0;
+  };
+  const raised = (n) => String(n).replaceAll(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
   const time = (i, n) => all.start + (all.end - all.start) * i / Math.max(n - 1, 1);
   const index = (t, n) => (t - all.start) / Math.max(all.end - all.start, 1e-12) * (n - 1);
 
   const panels = all.panels.map((panel) => {
     const figure = document.createElement("figure");
     const caption = document.createElement("figcaption");
-    caption.textContent = `${panel.title} [${panel.unit}]`;
     figure.append(caption);
     figure.insertAdjacentHTML("beforeend", `<svg role="img" tabindex="0" viewBox="0 0 480 ${HEIGHT}"></svg>`);
     const svg = figure.querySelector("svg");
     const sizes = panel.series.map((s) => `${s.name} ${s.rms.toPrecision(3)} rms`).join(", ");
     svg.setAttribute("aria-label", `${panel.title} over time in ${panel.unit}: ${sizes}`);
     holder.append(figure);
-    return { svg, unit: panel.unit, title: panel.title, drag: null,
+    return { svg, caption, unit: panel.unit, title: panel.title, drag: null,
       series: panel.series.map((s) => ({ name: s.name, values: unpack(s) })) };
   });
 
@@ -99,11 +101,14 @@
     const x = (t) => LEFT + (width - LEFT - RIGHT) * (t - from) / (to - from);
     const y = (v) => TOP + (HEIGHT - TOP - BOTTOM) * (high - v) / (high - low);
     panel.geometry = { width, x, invert: (px) => from + (to - from) * (px - LEFT) / (width - LEFT - RIGHT) };
-    const [rows, rowStep] = ticks(low, high, 4);
+    const [rows, rowStep] = ticks(low, high, 6);
+    const exponent = power(low, high);
     for (const v of rows) {
       element(svg, "path", { class: "grid", d: `M${LEFT} ${y(v)}H${width - RIGHT}` });
-      element(svg, "text", { x: LEFT - 6, y: y(v) + 4, "text-anchor": "end" }, label(v, rowStep));
+      element(svg, "text", { x: LEFT - 6, y: y(v) + 4, "text-anchor": "end" },
+        label(v / 10 ** exponent, rowStep / 10 ** exponent));
     }
+    panel.caption.textContent = exponent ? `${panel.title} [10${raised(exponent)} ${panel.unit}]` : `${panel.title} [${panel.unit}]`;
     const [columns, columnStep] = ticks(from, to, Math.max(2, Math.floor(width / 90)));
     for (const t of columns) {
       element(svg, "path", { class: "grid", d: `M${x(t)} ${TOP}V${HEIGHT - BOTTOM}` });
@@ -180,7 +185,8 @@
   }
 
   const legend = root.querySelector(".legend");
-  for (const name of new Set(panels.flatMap((p) => p.series.map((s) => s.name)))) {
+  const names = new Set(["measured", ...panels.flatMap((p) => p.series.map((s) => s.name))]);
+  for (const name of names) {
     const button = document.createElement("button");
     button.type = "button";
     button.className = name;

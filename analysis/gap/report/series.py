@@ -41,7 +41,7 @@ def context(material: Material) -> dict[str, Any]:
     return {
         "run": run.name,
         "settings": {k: v for k, v in run.settings.items() if k != "note"},
-        "diagnosed": name,
+        "several": len(material.held_out) > 1,
         "diverged": diverged,
         "decimated": len(t) > MOST_SAMPLES,
         "most": MOST_SAMPLES,

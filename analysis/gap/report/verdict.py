@@ -8,6 +8,8 @@ from ..verdict import LEAST_REMOVED
 from .base import Material, Section
 from .words import confidence, listed, meaning, number, percent, place, places
 
+REMAINDER = 1.5  # times the floor from which on what is left is said in front
+
 TITLES = {
     "explained": "Explained",
     "no_gap": "No gap",
@@ -90,14 +92,10 @@ def _effects(d: Diagnosis) -> list[dict[str, str]]:
 
 def _confidence(d: Diagnosis) -> str:
     best = d.verdict.accepted or d.ranking[0]
-    wins = f"{percent(best.probability, 1)} of {RESAMPLES} resamplings of the held-out data"
     if d.verdict.verdict == "explained" and d.verdict.accepted is None:
         return "Confidence: very high. The stated controller's own law gives it away."
     if d.verdict.verdict == "explained":
-        return (
-            f"Confidence: {confidence(best.probability)}. This explanation wins in {wins}. That "
-            "weighs it against every other hypothesis tried, not against effects outside the catalogue."
-        )
+        return _confidence_in(best, d)
     if d.verdict.verdict == "ambiguous":
         shares = [
             f"{r.fit.hypothesis.label} wins in {percent(r.probability, 1)}"
@@ -119,6 +117,31 @@ def _confidence(d: Diagnosis) -> str:
     )
 
 
+def _confidence_in(accepted: Ranked, d: Diagnosis) -> str:
+    """How often the accepted effects are part of what wins, and how often they are all of it."""
+    ids = set(accepted.fit.hypothesis.ids)
+    containing = [r for r in d.ranking if ids <= set(r.fit.hypothesis.ids)]
+    probability = min(sum(r.probability for r in containing), 1.0)
+    what = "this effect is" if len(ids) == 1 else "these effects are"
+    text = (
+        f"Confidence: {confidence(probability)}. In {percent(probability, 1)} of {RESAMPLES} resamplings "
+        f"of the held-out data {what} in the winning hypothesis"
+    )
+    richest = max(containing, key=lambda r: r.probability)
+    if richest is not accepted:
+        more = listed(i for i in richest.fit.hypothesis.ids if i not in ids)
+        text += (
+            f"; most often together with {more}, which is not accepted because the simpler hypothesis "
+            "is likely as well"
+        )
+    elif len(containing) > 1 and accepted.probability < probability - 0.01:
+        text += f", in {percent(accepted.probability, 1)} alone"
+    return (
+        f"{text}. That weighs them against every other hypothesis tried, not against effects outside the "
+        "catalogue."
+    )
+
+
 def _how_far(d: Diagnosis) -> str:
     s, unit = d.shrinkage, d.machine.effort_unit
     start = "On held-out runs the rms unexplained effort "
@@ -127,12 +150,14 @@ def _how_far(d: Diagnosis) -> str:
             f"{start}of the nominal model is {number(s.before, unit)}, at the noise floor of "
             f"{number(s.floor, unit)}."
         )
-    ends = f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f} %"
+    ends = f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f}\N{NO-BREAK SPACE}%"
     verb = "falls" if s.after < s.before else "goes"
-    model = "with it in the model" if d.verdict.accepted or d.findings else "by retuning alone"
+    model = "with this in the model" if d.verdict.accepted or d.findings else "by retuning alone"
+    left = s.after / s.floor
+    rest = f" What is left is {number(left)} times the floor." if left > REMAINDER else ""
     return (
         f"{start}{verb} from {number(s.before, unit)} to {number(s.after, unit)} {model}; the noise "
-        f"floor is {number(s.floor, unit)}. That removes {s.percent:.1f} % of the gap ({ends})."
+        f"floor is {number(s.floor, unit)}. That removes {s.percent:.1f}\N{NO-BREAK SPACE}% of the gap ({ends}).{rest}"
     )
 
 
@@ -162,14 +187,18 @@ def _figures(d: Diagnosis) -> list[dict[str, str]]:
     if s.percent is not None and s.ci95 is not None:
         gone = {
             "label": "of the gap removed",
-            "value": f"{s.percent:.0f} %",
-            "note": f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f} %",
+            "value": f"{s.percent:.0f}\N{NO-BREAK SPACE}%",
+            "note": f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f}\N{NO-BREAK SPACE}%",
         }
-    relative = [100.0 * v / s.relative_to_command for v in (s.before, s.after, s.floor)]
+    relative = [v / s.relative_to_command for v in (s.before, s.after, s.floor)]
     return [
         gone,
         *(
-            {"label": label, "value": number(value, unit), "note": f"{share:.1f} % of the command"}
+            {
+                "label": label,
+                "value": number(value, unit),
+                "note": f"{percent(share, 1)} of the command",
+            }
             for label, value, share in zip(
                 ("unexplained before", "unexplained after", "noise floor"),
                 (s.before, s.after, s.floor),

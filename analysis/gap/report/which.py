@@ -6,6 +6,7 @@ from typing import Any
 from ..attribution import Ranked
 from ..diagnosis import Diagnosis
 from ..hypothesis import Fit, price
+from ..machine import Machine, Parameter
 from .base import Material, Section
 from .words import digits_of, interval, listed, number, percent, signature
 
@@ -35,6 +36,10 @@ def context(material: Material) -> dict[str, Any]:
             (f.effect, f.form, f.evidence, _values(f.parameters)) for f in d.findings
         ],
         "own": _own(d),
+        "structures": [
+            {"name": s.name, "error": percent(s.relative_error, 1), "share": 100.0 * s.relative_error}
+            for s in d.inverse_model
+        ],
     }  # fmt: skip
 
 
@@ -55,6 +60,11 @@ def why_not(rival: Ranked, winner: Ranked) -> str:
         words = f"{start} {error} is {number(ratio)} times as large"
     elif ratio > 1.0:
         words = f"{start} {error} is no smaller"
+    elif rival.fit.score < winner.fit.score and extra and not missing:
+        words = (
+            f"{start} the held-out error is only {percent(1.0 - ratio, 1)} smaller; the simpler hypothesis "
+            "is likely as well, and preferred"
+        )
     else:
         asked = 1.0 - math.exp(price(mine) - price(its))
         words = f"{start} {error} is only {percent(1.0 - ratio, 1)} smaller"
@@ -76,7 +86,7 @@ def _row(ranked: Ranked, place: int, winner: Ranked, d: Diagnosis) -> dict[str, 
         "held_out": number(ranked.fit.held_out_rms),
         "validation": number(d.validation[frozenset(hypothesis.ids)]),
         "gain": number(math.exp(ranked.gain)),
-        "gain_interval": interval([math.exp(end) for end in ranked.gain_interval]),
+        "gain_interval": " to ".join(number(math.exp(end)) for end in ranked.gain_interval),
         "parameters": hypothesis.size,
         "why": "" if ranked is winner else why_not(ranked, winner),
     }
@@ -91,25 +101,30 @@ def _fitted(d: Diagnosis, winner: Ranked) -> list[Ranked]:
 def _parameters(ranked: Ranked, d: Diagnosis) -> dict[str, Any]:
     return {
         "label": ranked.fit.hypothesis.label,
-        "rows": [row for key, row in _values_of(ranked.fit) if key[0]],
+        "rows": [row for key, row in _values_of(ranked.fit, d.machine) if key[0]],
     }
 
 
-def _values_of(fit: Fit) -> list[tuple[tuple[str, str], dict[str, Any]]]:
+def _values_of(fit: Fit, machine: Machine) -> list[tuple[tuple[str, str], dict[str, Any]]]:
+    free = {(effect, p.name): p for effect, p in fit.hypothesis.free(machine)}
     rows = []
-    for key, unit, value, sd, bound in zip(
-        fit.keys, fit.units, fit.values, fit.deviation, fit.at_bound
-    ):
+    for key, unit, value, sd in zip(fit.keys, fit.units, fit.values, fit.deviation):
         half = 1.96 * float(sd)
         row = {
             "effect": key[0],
             "name": key[1],
             "value": number(float(value), unit, digits_of(float(value), half)),
             "interval": interval((value - half, value + half), unit),
-            "at_bound": bool(bound),
+            "at_bound": _at_bound(float(value), free[key]),
         }
         rows.append((key, row))
     return rows
+
+
+def _at_bound(value: float, p: Parameter) -> bool:
+    """Whether a value lies within a thousandth of its range, or its typical size, of a bound."""
+    margin = 1e-3 * min(p.upper - p.lower, p.scale)
+    return value - p.lower < margin or p.upper - value < margin
 
 
 def _values(parameters: dict[str, dict[str, Any]]) -> str:
@@ -121,8 +136,8 @@ def _values(parameters: dict[str, dict[str, Any]]) -> str:
 
 def _own(d: Diagnosis) -> list[dict[str, Any]]:
     """The machine's own parameters: nominal, retuned alone and beside the accepted effects."""
-    chosen = dict(_values_of(d.chosen))
-    retuned = dict(_values_of(d.retuned))
+    chosen = dict(_values_of(d.chosen, d.machine))
+    retuned = dict(_values_of(d.retuned, d.machine))
     rows = []
     for p in d.machine.own:
         alone, beside = retuned.get(("", p.name)), chosen.get(("", p.name))

@@ -10,7 +10,7 @@ from ..machine import Machine
 
 MINUS = "\N{MINUS SIGN}"
 CONFIDENCE = ((0.99, "very high"), (0.9, "high"), (0.7, "moderate"), (0.0, "low"))
-EVERYWHERE = "all"
+DIMENSIONLESS = ("", "-", "1")
 
 
 def number(value: float | None, unit: str = "", digits: int = 3) -> str:
@@ -23,7 +23,7 @@ def number(value: float | None, unit: str = "", digits: int = 3) -> str:
         raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
         text = f"{mantissa.rstrip('.')} × 10{raised}"
     text = text.replace("-", MINUS)
-    return f"{text}\N{NO-BREAK SPACE}{unit.replace('^2', '²')}" if unit else text
+    return text if unit in DIMENSIONLESS else f"{text}\N{NO-BREAK SPACE}{unit.replace('^2', '²')}"
 
 
 def percent(share: float | None, digits: int = 0) -> str:
@@ -84,7 +84,9 @@ def signature(effect: str) -> str:
 
 
 def place(where: Mapping[str, Any], machine: Machine) -> str:
-    """Where an effect acts, such as ``left``; empty when it says nothing."""
+    """Where an effect acts, such as ``left``; empty on a machine with one place only."""
+    if len(machine.elements) == 1:
+        return ""
     parts = []
     for value in where.values():
         names = [str(v) for v in value] if isinstance(value, list | tuple) else [str(value)]
