@@ -147,6 +147,8 @@ class TableFitter:
             held_out_rms=float(np.sqrt(losses.mean() / len(METRICS))),
             importance=importance,
             converged=bool(rms < 1.0),
+            residual=errors.ravel(),
+            jacobian=jacobian,
         )
 
     def errors(self, fitted: Fit) -> Array:
@@ -168,8 +170,7 @@ class TableFitter:
         """The fit with its parameters moved to where they would be if tests counted by ``weights``."""
         problem = self.problem(fitted.hypothesis)
         x = fitted.values / problem.scale
-        errors, jacobian = problem.errors(x), problem.jacobian(x)
-        points = [problem.moved(x, errors, jacobian, w) for w in weights]
+        points = [problem.moved(x, fitted.residual, fitted.jacobian, w) for w in weights]
         return [replace(fitted, values=problem.scale * point) for point in points]
 
     def _search(self, problem: TableProblem, warm: Fit | None) -> Array:
