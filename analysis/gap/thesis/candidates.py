@@ -1,5 +1,7 @@
 """Which effects of the catalogue RMS values of whole cycles can speak of, and their typical sizes."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ....models import motion, thesis_tables
@@ -29,10 +31,12 @@ CANDIDATES = (
 SAMPLE_TIME = 1e-3  # [s], Table 5-3
 
 
-def candidate_forms(machine: Machine, experiment: Experiment) -> list[Form]:
-    """Plain forms of the candidates; richer ones have more parameters than the table can carry."""
+def candidate_forms(
+    machine: Machine, experiment: Experiment, effects: Sequence[str] = CANDIDATES
+) -> list[Form]:
+    """Plain forms of the effects; richer ones have more parameters than the table can carry."""
     forms = forms_for(machine, scales(experiment))
-    return [form for form in forms if form.effect in CANDIDATES and not form.refined]
+    return [form for form in forms if form.effect in effects and not form.refined]
 
 
 def scales(experiment: Experiment) -> Scales:

@@ -10,7 +10,7 @@ from ..machine import Array
 from .experiment import METRICS, TESTS, repeatability
 from .fitting import TableFitter
 
-RESAMPLES = 200
+RESAMPLES = 100
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,7 +25,7 @@ from ..hypothesis import Fit, Hypothesis
 from ..machine import Array, Machine
 from ..machines.c_drive import c_drive_machine
 from ..verdict import Verdict, decide
-from .candidates import candidate_forms
+from .candidates import CANDIDATES, candidate_forms
 from .carry_over import CarryOver, carry_over, parameter_intervals
 from .evidence import Observation, observations
 from .experiment import (
@@ -165,8 +165,16 @@ class ThesisDiagnosis:
         return [target / "diagnosis.json", target / "report.html"]
 
 
-def diagnose_thesis(*, seed: int = 0, progress: Progress | None = None) -> ThesisDiagnosis:
-    """Diagnose the printed experiment; half a minute. ``progress`` is told a few words at each step."""
+def diagnose_thesis(
+    *,
+    seed: int = 0,
+    progress: Progress | None = None,
+    candidates: Sequence[str] = CANDIDATES,
+) -> ThesisDiagnosis:
+    """Diagnose the printed experiment; half a minute with all candidates.
+
+    ``progress`` is told a few words at each step; ``candidates`` are the effect ids to try.
+    """
     started = time.perf_counter()
     tell = progress or (lambda text: None)
     machine = c_drive_machine(CDriveParameters(), TOLERANCE)
@@ -177,7 +185,7 @@ def diagnose_thesis(*, seed: int = 0, progress: Progress | None = None) -> Thesi
     )
     tell("retuning the nominal model")
     nominal, retuned = nominal_fit(fitter), fitter.fit(Hypothesis())
-    forms = candidate_forms(machine, tables[2.0])
+    forms = candidate_forms(machine, tables[2.0], candidates)
     ranking = select(fitter, retuned, forms, seed, tell)
     tell("checking on the 1 Hz table")
     errors = [float(np.sqrt(np.mean(held_out.errors(r.fit) ** 2))) for r in ranking]
@@ -186,6 +194,7 @@ def diagnose_thesis(*, seed: int = 0, progress: Progress | None = None) -> Thesi
     verdict = _checked(ranking, errors, refuted, spread.relative)
     chosen = verdict.accepted.fit if verdict.accepted else retuned
     best = ranking[0].fit
+    shrinkage = carry_over(fitter, held_out, nominal, retuned, chosen, seed)
     found = [o for table in tables.values() for o in observations(table, spread)]
     tell("asking what the table can tell apart")
     seen = identifiability(fitter, retuned, forms, spread.relative)
@@ -200,9 +209,11 @@ def diagnose_thesis(*, seed: int = 0, progress: Progress | None = None) -> Thesi
             for rate, table in tables.items()
         },
         best=best,
-        best_carry_over=carry_over(fitter, held_out, nominal, retuned, best, seed),
+        best_carry_over=shrinkage
+        if best is chosen
+        else carry_over(fitter, held_out, nominal, retuned, best, seed),
         intervals=parameter_intervals(fitter, best, seed),
-        shrinkage=carry_over(fitter, held_out, nominal, retuned, chosen, seed),
+        shrinkage=shrinkage,
         entries=_entries((fitter, held_out), nominal, retuned, best, spread),
         location=_location(fitter.errors(retuned)),
         observations=tuple(found),

@@ -63,6 +63,9 @@ class TableProblem:
         """Relative errors (9, 3) at ``x``."""
         return np.asarray(self.all_errors([x])[0])
 
+    def _flat_errors(self, x: Array) -> Array:
+        return self.errors(x).ravel()
+
     def jacobian(self, x: Array) -> Array:
         """Derivatives (27, p) of the errors by differences that stay inside the bounds."""
         steps = np.where(x + self._step > self.upper, -self._step, self._step)
@@ -74,12 +77,8 @@ class TableProblem:
         """Best point that a bounded trust-region search from ``start`` finds."""
         if not self.parameters:
             return start
-
-        def flat(x: Array) -> Array:
-            return np.asarray(self.errors(x).ravel())
-
         solution = least_squares(
-            flat,
+            self._flat_errors,
             self.inside(start),
             jac=self.jacobian,
             bounds=(self.lower, self.upper),
@@ -148,6 +147,8 @@ class TableFitter:
             held_out_rms=float(np.sqrt(losses.mean() / len(METRICS))),
             importance=importance,
             converged=bool(rms < 1.0),
+            residual=errors.ravel(),
+            jacobian=jacobian,
         )
 
     def errors(self, fitted: Fit) -> Array:
@@ -169,8 +170,7 @@ class TableFitter:
         """The fit with its parameters moved to where they would be if tests counted by ``weights``."""
         problem = self.problem(fitted.hypothesis)
         x = fitted.values / problem.scale
-        errors, jacobian = problem.errors(x), problem.jacobian(x)
-        points = [problem.moved(x, errors, jacobian, w) for w in weights]
+        points = [problem.moved(x, fitted.residual, fitted.jacobian, w) for w in weights]
         return [replace(fitted, values=problem.scale * point) for point in points]
 
     def _search(self, problem: TableProblem, warm: Fit | None) -> Array:

@@ -67,7 +67,7 @@ class BenchmarkLoops:
             memory, position, command, np.zeros_like(reference),
         )  # fmt: skip
         return BenchmarkRun(
-            time=np.arange(c.samples_per_cycle) * np.float64(c.dt),
+            time=np.arange(c.samples_per_cycle, dtype=np.float64) * c.dt,
             reference=c_drive.collar_pose(reference[self._kept], c.lead),
             error=c_drive.collar_pose((reference - position)[self._kept], c.lead),
             torque=command[self._kept],

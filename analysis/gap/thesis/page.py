@@ -27,6 +27,7 @@ def page(diagnosis: ThesisDiagnosis) -> str:
         verdict=d.verdict.verdict,
         reason=d.verdict.reason,
         shrinkage=shrinkage_text(d),
+        location=location_text(d),
         question=QUESTION,
         figure=inline_svg(
             lambda: measured_and_models(d.entries, best_label(d)),
@@ -55,14 +56,26 @@ def shrinkage_text(d: ThesisDiagnosis) -> str:
     text = (
         f"Held-out 1 Hz table, rms relative error of its 27 values: nominal {_percent(s.before)}, retuned "
         f"{_percent(s.retuned)}, with the accepted effects {_percent(s.after)}, scatter between replicate "
-        f"tests {_percent(s.floor)}. Gap removed: {_share(s)}."
+        f"tests {_percent(s.floor)}. Share of the gap removed: {_share(s)}."
     )
     if d.verdict.accepted is None and d.best.hypothesis.forms:
         text += (
             f" The best fit at 2 Hz, {' + '.join(d.best.hypothesis.ids)}, was not accepted; it gives "
-            f"{_percent(b.after)} at 1 Hz, that is {_share(b)} of the gap removed."
+            f"{_percent(b.after)} at 1 Hz. Share of the gap removed: {_share(b)}."
         )
     return text
+
+
+def location_text(d: ThesisDiagnosis) -> str:
+    """Where the gap lies at either rate, in two sentences."""
+    controller, metric = d.location["controllers"][0], d.location["signals"][0]
+    motions = [f"{name} {_percent(before)}" for name, (before, _) in d.shrinkage.by_motion.items()]
+    return (
+        f"At 2 Hz, {100 * controller['share']:.0f} % of the gap is in the tests of "
+        f"{controller['name'].upper()} and {100 * metric['share']:.0f} % in {metric['name']}. At 1 Hz the "
+        f"nominal model errs by motion: {', '.join(motions)}; tests scatter by "
+        f"{_percent(d.scatter.relative)} at 2 Hz and {_percent(d.shrinkage.floor)} at 1 Hz."
+    )
 
 
 def identifiability_text(d: ThesisDiagnosis) -> str:
@@ -214,7 +227,7 @@ def _variants(d: ThesisDiagnosis) -> dict[str, Any]:
 def _share(c: CarryOver) -> str:
     if c.percent is None or c.ci95 is None:
         return "nothing lies above the floor"
-    return f"{c.percent:.0f} % (95 % interval {c.ci95[0]:.0f} to {c.ci95[1]:.0f} %)"
+    return f"{c.percent:.0f} % (95 % interval {c.ci95[0]:.0f} to {c.ci95[1]:.0f} %; negative: it grows)"
 
 
 def _percent(value: float) -> str:

@@ -4,7 +4,7 @@ from rich.console import Console
 from rich.table import Table
 
 from .diagnosis import ThesisDiagnosis
-from .page import shrinkage_text
+from .page import location_text, shrinkage_text
 
 ROWS = 5
 
@@ -23,6 +23,7 @@ def print_thesis(console: Console, diagnosis: ThesisDiagnosis) -> None:
             "refuted" if gone else "",
         )
     console.print(table)
+    console.print(location_text(d))
     console.print(shrinkage_text(d))
     broken = [o for o in d.observations if o.significant and o.kind != "cross axis"]
     for o in sorted(broken, key=lambda o: -o.deviation):
