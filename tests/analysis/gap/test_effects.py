@@ -1,0 +1,72 @@
+"""Every form of the catalogue: no effect at zero, a visible one away from it, a place that exists."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gapscope.analysis.gap.diagnosis import _scales
+from gapscope.analysis.gap.effects import catalogue, forms_for
+from gapscope.analysis.gap.fitting import Predictor
+from gapscope.analysis.gap.hypothesis import Hypothesis
+from gapscope.analysis.gap.logset import load_logset
+from gapscope.analysis.gap.machines import read_machine
+
+
+@pytest.fixture(scope="module")
+def case(nominal_logset):
+    machine, runs = read_machine(load_logset(nominal_logset))
+    return machine, Predictor(machine, runs[:1]), forms_for(machine, _scales(runs))
+
+
+def residual(case, form, values):
+    machine, predictor, _ = case
+    own = {("", name): v for name, v in machine.nominal().items()}
+    point = own | {(form.effect, name): v for name, v in values.items()}
+    hypothesis = Hypothesis(forms=(form,))
+    return predictor.residuals(hypothesis, [np.array(list(point.values()))], list(point))[0][0]
+
+
+def nominal_residual(case):
+    machine, predictor, _ = case
+    own = machine.nominal()
+    keys = [("", name) for name in own]
+    return predictor.residuals(Hypothesis(), [np.array(list(own.values()))], keys)[0][0]
+
+
+def test_every_additive_form_is_nothing_at_zero_and_something_away_from_it(case):
+    plain = nominal_residual(case)
+    checked = 0
+    for form in case[2]:
+        zero = {p.name: p.starts[0] for p in form.parameters}
+        if any(v != 0.0 for name, v in zero.items() if name not in form.shapes):
+            continue
+        np.testing.assert_allclose(residual(case, form, zero), plain, rtol=0, atol=1e-12)
+        # An asymmetry is a share of a level: with levels at work it must be seen, too.
+        active = {
+            p.name: 0.1 * p.scale if v == 0.0 else v for p, v in zip(form.parameters, zero.values())
+        }
+        assert np.max(np.abs(residual(case, form, active) - plain)) > 1e-7, form.name
+        checked += 1
+    assert checked > 10
+
+
+def test_every_form_names_existing_places(case):
+    machine, _, forms = case
+    known = {*machine.shafts, *machine.elements, *(axis.name for axis in machine.payload)}
+    for form in forms:
+        where = form.where([p.name for p in form.parameters])
+        assert where
+        assert {place for places in where.values() for place in places} <= known, form.name
+
+
+def test_one_file_is_one_effect_and_says_its_id():
+    import gapscope.analysis.gap.effects as package
+
+    files = {p.stem for p in Path(package.__file__).parent.glob("*_*.py")} - {
+        "dry_friction",
+        "two_inertia",
+        "__init__",
+    }
+    built_in = {id_.replace(".", "_") for id_ in catalogue() if not id_.startswith("my.")}
+    assert files == built_in

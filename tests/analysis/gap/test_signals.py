@@ -1,0 +1,59 @@
+"""Wrong signals are found by replaying the controller, before anything is blamed on the machine."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gapscope.analysis.gap.logset import load_logset
+from gapscope.analysis.gap.machines import read_machine, stated_encoder_step
+from gapscope.analysis.gap.signals import examine
+
+
+@pytest.fixture(scope="module")
+def case(nominal_logset):
+    log = load_logset(nominal_logset)
+    machine, runs = read_machine(log)
+    return machine, runs, stated_encoder_step(log)
+
+
+def found(case, change):
+    machine, runs, lsb = case
+    _, findings = examine(machine, [change(run) for run in runs], lsb)
+    return {f.effect: f for f in findings}
+
+
+def test_a_good_log_has_no_findings(case):
+    assert found(case, lambda run: run) == {}
+
+
+@pytest.mark.parametrize("samples", [1, 2, -1])
+def test_a_clock_offset_of_the_positions(case, samples):
+    def late(run):
+        return replace(run, position=np.roll(run.position, samples, axis=0))
+
+    finding = found(case, late)["sensor.timing"]
+    assert finding.form == "positions late"
+    assert finding.parameters["late"]["value"] == pytest.approx(1e-3 * samples, abs=1e-4)
+
+
+def test_an_offset_of_the_logged_position(case):
+    findings = found(case, lambda run: replace(run, position=[*run.position, 0.02, 0.0]))
+    assert set(findings) == {"sensor.offset"}
+    finding = findings["sensor.offset"]
+    assert finding.where == {"joints": ["left"]}
+    assert finding.parameters["offset_left"]["value"] == pytest.approx(0.02, abs=1e-4)
+
+
+def test_a_scale_of_the_logged_position(case):
+    finding = found(case, lambda run: replace(run, position=run.position * [1.0, 1.01]))
+    assert finding["sensor.scale"].parameters["scale_error_right"]["value"] == pytest.approx(
+        0.01, abs=1e-4
+    )
+
+
+def test_a_coarser_encoder_than_stated(case):
+    machine, runs, lsb = case
+    coarse = [replace(run, lsb=8.0 * run.lsb) for run in runs]
+    _, findings = examine(machine, coarse, lsb)
+    assert [f.effect for f in findings] == ["sensor.quantisation"]
