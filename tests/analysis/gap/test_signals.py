@@ -38,7 +38,7 @@ def test_a_clock_offset_of_the_positions(case, samples):
 
 
 def test_an_offset_of_the_logged_position(case):
-    findings = found(case, lambda run: replace(run, position=[*run.position, 0.02, 0.0]))
+    findings = found(case, lambda run: replace(run, position=run.position + np.array([0.02, 0.0])))
     assert set(findings) == {"sensor.offset"}
     finding = findings["sensor.offset"]
     assert finding.where == {"joints": ["left"]}
