@@ -19,7 +19,7 @@ def blocks():
             yield pytest.param(language, text, id=f"{readme.parent.name}-{language}-{i}")
 
 
-@pytest.mark.parametrize(("language", "text"), blocks())
+@pytest.mark.parametrize(("language", "text"), list(blocks()))
 def test_block_runs(language, text, tmp_path):
     binaries = Path(sys.executable).parent
     environment = {**os.environ, "PATH": f"{binaries}{os.pathsep}{os.environ['PATH']}"}
