@@ -1,5 +1,6 @@
 """The verdict and how sure it is, in words, with the numbers that carry it."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from ..attribution import RESAMPLES, Ranked
@@ -34,9 +35,11 @@ def context(material: Material) -> dict[str, Any]:
     }
 
 
-def _named(ranked: Ranked, d: Diagnosis) -> str:
+def _named(ranked: Ranked, d: Diagnosis, without: Sequence[str] = ()) -> str:
     names = []
     for form in ranked.fit.hypothesis.forms:
+        if form.effect in without:
+            continue
         at = places(ranked, form.effect, d.machine)
         names.append(f"{form.effect} at {at}" if at else form.effect)
     return listed(names)
@@ -57,9 +60,27 @@ def _headline(d: Diagnosis) -> str:
         return f"The gap lies in the log, not in the machine: {found}."
     start = f"Beside {found} in the log itself, the" if found else "The"
     if d.verdict.verdict == "ambiguous":
-        names = listed((_named(r, d) for r in (accepted, *d.verdict.rivals)), "or")
-        return f"{start} gap comes from {names}; these data cannot tell which."
+        return f"{start} gap comes from {_alternatives(accepted, d)}; these data cannot tell which."
     return f"{start} gap comes from {_named(accepted, d)}."
+
+
+def _alternatives(accepted: Ranked, d: Diagnosis) -> str:
+    """What all hypotheses that are not separated share, and what they do not."""
+    candidates = (accepted, *d.verdict.rivals)
+    apart = [i for i in accepted.fit.hypothesis.ids if i not in _shared(d)]
+    if not apart or not _shared(d):
+        return listed((_named(r, d) for r in candidates), "or")
+    rest = listed((_named(r, d, _shared(d)) for r in candidates), "or")
+    return f"{_named(accepted, d, apart)}, together with {rest}"
+
+
+def _shared(d: Diagnosis) -> list[str]:
+    """Effects in every hypothesis that the data do not separate."""
+    accepted = d.verdict.accepted
+    if accepted is None:
+        return []
+    rivals = [set(r.fit.hypothesis.ids) for r in d.verdict.rivals]
+    return [i for i in accepted.fit.hypothesis.ids if all(i in ids for ids in rivals)]
 
 
 def _effects(d: Diagnosis) -> list[dict[str, str]]:
@@ -101,7 +122,14 @@ def _confidence(d: Diagnosis) -> str:
             f"{r.fit.hypothesis.label} wins in {percent(r.probability, 1)}"
             for r in (best, *d.verdict.rivals)
         ]
-        return f"Confidence in one of them: low. {listed(shares)} of {RESAMPLES} resamplings."
+        sure = [
+            f" Confidence in {i}: {confidence(d.probability(i))} ({percent(d.probability(i), 1)})."
+            for i in _shared(d)
+        ]
+        return (
+            f"Confidence in one of them: low. {listed(shares)} of {RESAMPLES} resamplings."
+            f"{''.join(sure)}"
+        )
     if d.verdict.verdict == "no_gap":
         plain = next(r for r in d.ranking if not r.fit.hypothesis.forms)
         ratio = plain.fit.held_out_rms / d.floor

@@ -29,6 +29,9 @@ def context(material: Material) -> dict[str, Any]:
         "runner_up": rivals[0].fit.hypothesis.label if rivals else "",
         "why": why_not(rivals[0], winner) if rivals else "",
         "signatures": [(i, signature(i)) for i in winner.fit.hypothesis.ids],
+        "not_separated": [r.fit.hypothesis.label for r in d.verdict.rivals]
+        if d.verdict.verdict == "ambiguous"
+        else [],
         "shown": rows[:SHOWN],
         "folded": rows[SHOWN:],
         "parameters": [_parameters(r, d) for r in _fitted(d, winner)],
@@ -88,8 +91,19 @@ def _row(ranked: Ranked, place: int, winner: Ranked, d: Diagnosis) -> dict[str, 
         "gain": number(math.exp(ranked.gain)),
         "gain_interval": " to ".join(number(math.exp(end)) for end in ranked.gain_interval),
         "parameters": hypothesis.size,
-        "why": "" if ranked is winner else why_not(ranked, winner),
+        "why": _remark(ranked, winner, d),
     }
+
+
+def _remark(ranked: Ranked, winner: Ranked, d: Diagnosis) -> str:
+    ambiguous = d.verdict.verdict == "ambiguous"
+    if ranked is winner:
+        if d.verdict.verdict == "unexplained":
+            return "best of those tried, not believed"
+        return "leading, not alone" if ambiguous else "accepted"
+    reason = why_not(ranked, winner)
+    rival = ambiguous and any(ranked is r for r in d.verdict.rivals)
+    return f"not separated: {reason}" if rival else reason
 
 
 def _fitted(d: Diagnosis, winner: Ranked) -> list[Ranked]:

@@ -183,6 +183,21 @@ def test_two_effects_are_two_steps_of_the_waterfall(diagnosed):
     assert "The gap comes from friction.coulomb at left and load.bias at " in outline(d).words
 
 
+def test_what_rivals_share_is_said_to_be_sure(diagnosed):
+    d = diagnosed["two"]
+    with_viscous = next(
+        r
+        for r in d.ranking
+        if set(r.fit.hypothesis.ids) == {"friction.coulomb", "friction.viscous"}
+    )
+    verdict = replace(d.verdict, verdict="ambiguous", rivals=(with_viscous,))
+    said = outline(replace(d, verdict=verdict)).words
+    assert "comes from friction.coulomb at left, together with load.bias at " in said
+    assert " or friction.viscous at " in said
+    assert "Confidence in friction.coulomb: very high" in said
+    assert "not separated: " in said
+
+
 @pytest.mark.parametrize(
     ("kind", "phrases"),
     [
