@@ -150,16 +150,18 @@ def fit(
 
     ``warm`` is a fit whose values are starting points where the keys agree. A hypothesis whose
     linearised loss cannot fall below that of ``warm`` by the share ``screen`` is taken where the linear
-    step leads and not searched further; its losses are those of the fit runs, which can only flatter it.
+    step leads and not searched further; its held-out losses are those of ``warm``, scaled by that gain.
     """
     problem = _Problem(predictor, hypothesis)
     x, jac, searched = _search(problem, warm, screen)
     final = problem.runs([x])[0]
-    span = np.minimum(problem.upper - problem.lower, 1e9)
+    span = np.minimum(problem.upper - problem.lower, 1.0)
     at_bound = (x - problem.lower < 1e-4 * span) | (problem.upper - x < 1e-4 * span)
-    held_out = _held_out(problem, final, jac, x, at_bound) if searched else final
-    losses, samples = block_losses(held_out)
     residual = _flatten(final)
+    if searched or warm is None:
+        losses, samples = block_losses(_held_out(problem, final, jac, x, at_bound))
+    else:  # it is as good on held-out runs as its parent, but for the little it gained on fit runs
+        losses, samples = warm.losses * np.mean(residual**2) / warm.rms**2, warm.samples
     deviation, importance = _information(problem, jac, residual, x)
     return Fit(
         hypothesis=hypothesis,
