@@ -2,9 +2,7 @@
 
 from ..machine import Machine, Plant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
-from .two_inertia import split
-
-CONTACT = 3e4  # contact stiffness: the peak effort deflects it by 1/CONTACT of the travel
+from .two_inertia import CONTACT, FAMILY, motor_share_parameter, split
 
 
 def forms(machine: Machine, scales: Scales) -> list[Form]:
@@ -18,9 +16,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
         upper=200.0 * unit,
         starts=(unit, 0.1 * unit, 0.3 * unit, 3.0 * unit, 10.0 * unit),
     )
-    share = parameter(
-        "motor_share", "-", 0.3, lower=0.05, upper=0.97, starts=(machine.motor_share,)
-    )
+    share = motor_share_parameter(machine)
     damping = parameter("contact_damping_ratio", "-", 0.5, lower=0.02, upper=3.0, starts=(1.0,))
     stiffness = CONTACT * scales.effort_peak / scales.travel
 
@@ -43,7 +39,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             apply=apply,
             where=everywhere("joints", machine.shafts),
             step=0.02,
-            family="two inertias",
+            family=FAMILY,
         )
     ]
 

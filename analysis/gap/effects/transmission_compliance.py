@@ -2,8 +2,7 @@
 
 from ..machine import Machine, Plant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
-from .transmission_backlash import CONTACT
-from .two_inertia import split
+from .two_inertia import CONTACT, FAMILY, motor_share_parameter, split
 
 
 def forms(machine: Machine, scales: Scales) -> list[Form]:
@@ -17,9 +16,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
         upper=1e5 * stiffest,
         starts=(2.0 * stiffest, 10.0 * stiffest, 100.0 * stiffest, 1000.0 * stiffest),
     )
-    share = parameter(
-        "motor_share", "-", 0.3, lower=0.05, upper=0.97, starts=(machine.motor_share,)
-    )
+    share = motor_share_parameter(machine)
     damping = parameter("damping_ratio", "-", 0.1, lower=0.0, upper=1.0, starts=(0.05, 0.3))
 
     def apply(plant: Plant, values: Values) -> None:
@@ -40,7 +37,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             parameters=(compliance, share, damping),
             apply=apply,
             where=everywhere("joints", machine.shafts),
-            family="two inertias",
+            family=FAMILY,
         )
     ]
 

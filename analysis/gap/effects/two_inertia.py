@@ -12,9 +12,17 @@ from ....models.drive import (
     RIPPLE_WAVENUMBER,
     TO_SHAFT,
 )
-from ..machine import Machine, Plant
+from ..machine import Machine, Parameter, Plant
+from .base import parameter
 
+FAMILY = "two inertias"
+CONTACT = 3e4  # contact stiffness: the peak effort deflects it by 1/CONTACT of the travel
 STEPS_PER_RADIAN = 1.2  # Runge-Kutta steps per radian of the fastest coupling mode
+
+
+def motor_share_parameter(machine: Machine) -> Parameter:
+    """Share of the smallest inertia on the motors' side, from the machine's own estimate."""
+    return parameter("motor_share", "-", 0.3, lower=0.05, upper=0.97, starts=(machine.motor_share,))
 
 
 def split(
