@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from .commands import blind, calibrate, compare, demo, diagnose, pmc, simulate, workspace
+from .commands import blind, calibrate, compare, demo, design, diagnose, pmc, simulate, workspace
 
 app = typer.Typer(
     name="gapscope",
@@ -21,6 +21,7 @@ simulate.app.command("pmc")(pmc.simulate)
 compare.app.command("pmc")(pmc.compare)
 app.add_typer(calibrate.app, name="calibrate")
 app.command("diagnose")(diagnose.diagnose)
+app.command("design")(design.design)
 app.command("demo")(demo.demo)
 app.command("blind")(blind.blind)
 

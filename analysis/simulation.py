@@ -21,6 +21,7 @@ from ..diagrams.c_drive_config import (
 )
 from ..diagrams.c_drive_loop import c_drive_loop
 from ..models.c_drive import collar_pose
+from ..models.fourier_motion import FourierMotion
 from .errors import InputError
 from .files import write_folder
 
@@ -60,7 +61,8 @@ def simulate_c_drive(
         found, _, expected = str(error).partition("; expected ")
         raise InputError("C-drive loop", found, expected or "settings of a usable loop") from None
     dt = config.sample_time
-    samples = round(config.cycles / (config.rate * dt))
+    program = config.program()
+    samples = round(config.cycles / (program.rate * dt))
     builder = DiagramBuilder()
     builder.AddSystem(loop)
     sinks: dict[str, Any] = {}
@@ -68,8 +70,7 @@ def simulate_c_drive(
         sinks[port] = builder.AddSystem(VectorLogSink(2, publish_period=dt))
         builder.Connect(loop.GetOutputPort(port), sinks[port].get_input_port())
     simulator = Simulator(builder.Build())
-    program = config.program()
-    limit = DIVERGED * max(abs(program.amplitude_L), abs(program.amplitude_R))
+    limit = DIVERGED * float(np.max(np.abs(program.sample(dt * np.arange(samples))[0])))
 
     def watch(root: Any) -> EventStatus:
         own = loop.GetMyContextFromRoot(root)
@@ -96,6 +97,7 @@ def simulate_c_drive(
         )
     logs = {name: sink.FindLog(context) for name, sink in sinks.items()}
     signals = {name: np.ascontiguousarray(log.data().T) for name, log in logs.items()}
+    _refuse_torque(config, signals["command"])
     return CDriveRun(config=config, t=logs["reference"].sample_times().copy(), **signals)
 
 
@@ -140,7 +142,7 @@ def logset_document(run: CDriveRun) -> dict[str, Any]:
     name, controller = _controller_block(config)
     return {
         "format": 1,
-        "name": f"c_drive-{name}-{config.motion}-{config.rate:g}Hz",
+        "name": f"c_drive-{name}-{config.program().name}-{config.program().rate:g}Hz",
         "source": "gapscope simulate c-drive, a Drake diagram",
         "system": {
             "kind": "c_drive",
@@ -169,12 +171,30 @@ def logset_document(run: CDriveRun) -> dict[str, Any]:
             {
                 "file": "run1.csv",
                 "controller": name,
-                "motion": config.motion,
-                "rate_Hz": config.rate,
+                **_motion_keys(config),
                 "use": "fit",
             }
         ],
     }
+
+
+def _motion_keys(config: CDriveLoopConfig) -> dict[str, Any]:
+    program = config.program()
+    if isinstance(program, FourierMotion):
+        return {"period_s": program.period, "note": f"motion file {program.name}"}
+    return {"motion": config.motion, "rate_Hz": config.rate}
+
+
+def _refuse_torque(config: CDriveLoopConfig, command: NDArray[np.float64]) -> None:
+    """InputError where a motion file asks the motors for more than ``limits.torque``."""
+    peak = float(np.max(np.abs(command)))
+    if isinstance(config.program(), FourierMotion) and peak > config.limits.torque * 1.001:
+        raise InputError(
+            config.motion,
+            f"the motion asks for {peak:.3f} N m",
+            f"at most limits.torque, {config.limits.torque} N m",
+            "Scale its coefficients down, or raise the limit in --config if the motors bear it.",
+        )
 
 
 def _controller_block(config: CDriveLoopConfig) -> tuple[str, dict[str, Any]]:

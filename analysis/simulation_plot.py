@@ -43,6 +43,6 @@ def plot_run(run: "CDriveRun", path: Path) -> None:
         ax.grid(alpha=0.3)
     c = run.config
     figure.suptitle(
-        f"C-drive: {type(c.controller).__name__}, {c.motion} at {c.rate:g} Hz, errors by encoder"
+        f"C-drive: {type(c.controller).__name__}, {c.program().name} at {c.program().rate:g} Hz, errors by encoder"
     )
     figure.savefig(path, dpi=120)

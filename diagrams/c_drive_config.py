@@ -9,11 +9,13 @@ from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 
+import numpy as np
 import yaml
 from pydrake.common.yaml import yaml_load_typed
 
 from ..models import c_drive_controllers as controllers
-from ..models.c_drive import CDriveParameters
+from ..models.c_drive import CDriveParameters, collar_pose
+from ..models.fourier_motion import FourierMotion, load_motion
 from ..models.motion import MotionProgram, c_drive_motion
 
 PLANTS = ("sampled", "continuous")
@@ -45,6 +47,33 @@ class Amplifier:
     gain: float = 1.0  # torque delivered per torque commanded [-]
     limit: float | None = None  # largest torque magnitude [N m], none for no limit
     lag: float = 0.0  # time constant of the torque loop [s]
+
+
+@dataclass(kw_only=True)
+class Limits:
+    """What the machine allows a motion file to ask for; the benchmark's own extremes by default."""
+
+    lowest: float = -0.2  # of the collar's travel u, Table 5-2 [m]
+    highest: float = 0.0  # of the collar's travel u; every run starts at 0 [m]
+    speed: float = 183.3  # of each motor, translation at 2 Hz [rad/s]
+    torque: float = 3.4247  # of each motor, the largest printed, Table 5-5 [N m]
+
+    def refuse(self, motion: FourierMotion, lead: float) -> None:
+        """Raise ValueError, naming the limit, for a motion outside travel or speed."""
+        position, rate, _ = motion.sample(np.linspace(0.0, motion.period, 2000))
+        travel = collar_pose(position, lead)[:, 0]
+        slack = 1e-3 * (self.highest - self.lowest)  # rounding of files, not of machines
+        if travel.min() < self.lowest - slack or travel.max() > self.highest + slack:
+            raise ValueError(
+                f"motion {motion.name!r} moves the collar from {travel.min():.4f} to "
+                f"{travel.max():.4f} m; expected limits.lowest {self.lowest} to limits.highest "
+                f"{self.highest} m"
+            )
+        if np.max(np.abs(rate)) > self.speed * 1.001:
+            raise ValueError(
+                f"motion {motion.name!r} reaches {np.max(np.abs(rate)):.1f} rad/s; expected at most "
+                f"limits.speed, {self.speed} rad/s"
+            )
 
 
 @dataclass(kw_only=True)
@@ -141,8 +170,8 @@ class CDriveLoopConfig:
     """
 
     controller: Controller = field(default_factory=PD)
-    motion: str = "helical"  # a motion of Table 5-2
-    rate: float = 2.0  # cycles per second [Hz]
+    motion: str = "helical"  # a motion of Table 5-2, or a motion file (.yaml) with its own period
+    rate: float = 2.0  # cycles per second of a motion of Table 5-2 [Hz]
     cycles: int = 2
     sample_time: float = 1e-3  # of the controller [s]
     encoder_bits: int = 13  # per turn; 0 for an exact encoder
@@ -150,6 +179,7 @@ class CDriveLoopConfig:
     plant: str = "sampled"  # or "continuous": Drake's integrator with a zero-order hold
     machine: Machine = field(default_factory=Machine)
     amplifier: Amplifier = field(default_factory=Amplifier)
+    limits: Limits = field(default_factory=Limits)
 
     def check(self) -> None:
         """Raise ValueError, naming the key, for a value no loop can be built with."""
@@ -162,9 +192,12 @@ class CDriveLoopConfig:
             raise ValueError(f"encoder_bits is {self.encoder_bits}; expected 0 or more")
         if self.plant not in PLANTS:
             raise ValueError(f"plant is {self.plant!r}; expected one of {', '.join(PLANTS)}")
-        if self.rate * self.sample_time > 0.05:
+        program = self.program()
+        if isinstance(program, FourierMotion):
+            self.limits.refuse(program, self.machine.lead)
+        if program.rate * self.sample_time > 0.05:
             raise ValueError(
-                f"rate is {self.rate} Hz at a sample_time of {self.sample_time} s; expected 20 or "
+                f"rate is {program.rate} Hz at a sample_time of {self.sample_time} s; expected 20 or "
                 "more samples a cycle"
             )
         for key, lowest in (("delay", 0.0), ("lag", 0.0)):
@@ -175,11 +208,15 @@ class CDriveLoopConfig:
             raise ValueError(
                 f"amplifier.limit is {self.amplifier.limit}; expected a positive torque [N m]"
             )
-        self.program()
         self.machine.parameters()
 
-    def program(self) -> MotionProgram:
-        """The motion; ValueError for an unknown name or a rate that is not positive."""
+    def program(self) -> MotionProgram | FourierMotion:
+        """The motion; ValueError for an unknown name or file, or a rate that is not positive."""
+        if self.motion.endswith((".yaml", ".yml")):
+            motion = load_motion(self.motion)
+            if motion.shafts != 2:
+                raise ValueError(f"{self.motion} moves {motion.shafts} shafts; expected 2")
+            return motion
         return c_drive_motion(self.motion, self.rate)
 
     def believed(self) -> CDriveParameters:
@@ -216,7 +253,7 @@ def parse_config(text: str) -> CDriveLoopConfig:
 
 
 def _known_keys() -> str:
-    sections = (CDriveLoopConfig, Machine, Amplifier, *CONTROLLERS.values())
+    sections = (CDriveLoopConfig, Machine, Amplifier, Limits, *CONTROLLERS.values())
     return "; ".join(f"{s.__name__}: {', '.join(s.__dataclass_fields__)}" for s in sections)
 
 

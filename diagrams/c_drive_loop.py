@@ -8,8 +8,10 @@ from pydrake.systems.primitives import ZeroOrderHold
 
 from ..models import c_drive, encoder
 from ..models.drive import DELAY, GAIN, LAG, LIMIT, Drive
+from ..models.fourier_motion import FourierMotion
 from ..systems.drive_plant import DrivePlant
 from ..systems.encoder import Encoder
+from ..systems.fourier_source import FourierSource
 from ..systems.motion_source import MotionSource
 from ..systems.sampled_drive_plant import SampledDrivePlant
 from ..systems.torque_amplifier import TorqueAmplifier
@@ -41,7 +43,9 @@ def c_drive_loop(config: CDriveLoopConfig) -> Diagram:
     drive = actuated_drive(config)
     lsb = encoder.resolution(config.encoder_bits) if config.encoder_bits else 0.0
     builder = DiagramBuilder()
-    source = _add(builder, "source", MotionSource(config.program()))
+    program = config.program()
+    kind = FourierSource if isinstance(program, FourierMotion) else MotionSource
+    source = _add(builder, "source", kind(program))
     controller = _add(
         builder,
         "controller",

@@ -25,7 +25,8 @@ def c_drive(
         typer.Option(help="PD, task-space PD, computed torque or resolved acceleration."),
     ] = None,
     motion: Annotated[
-        str | None, typer.Option(help="Motion of Table 5-2: translation, rotation, helical.")
+        str | None,
+        typer.Option(help="Motion of Table 5-2 (translation, rotation, helical) or a motion file."),
     ] = None,
     rate: Annotated[float | None, typer.Option(help="Cycles per second [Hz].")] = None,
     cycles: Annotated[int | None, typer.Option(help="Number of cycles.")] = None,

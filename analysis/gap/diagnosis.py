@@ -314,6 +314,7 @@ def _next_experiment(
         "separates": [list(first.hypothesis.ids), list(second.hypothesis.ids)],
         "prediction_difference": max(difference),
         "unit": predictor.machine.position_unit,
+        "design": "`gapscope design LOGSET` finds the motion that separates the two best",
     }
 
 

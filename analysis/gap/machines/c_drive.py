@@ -177,11 +177,13 @@ def _controller(
 
 def _run_data(run: Run, dt: float, controller: LoopController, logset: LogSet) -> RunData:
     where = f"{logset.folder / FILE}, run {run.name}"
-    known = {"motion", "rate_Hz", "start_s", "note"}
+    known = {"motion", "rate_Hz", "period_s", "start_s", "note"}
     settings = Settings(where, run.settings, known)
     t = run.columns["t"]
     reference = run.stack("psi_L_ref", "psi_R_ref")
     period = None
+    if "period_s" in run.settings:  # of a motion that is not one of Table 5-2
+        period = round(settings.number("period_s", positive=True) / dt)
     rate, acceleration = derivatives(reference, dt)
     if "motion" in run.settings:
         motion = str(run.settings["motion"])

@@ -49,7 +49,7 @@ def check_system(logset: LogSet) -> None:
     Settings(
         f"{logset.folder / FILE}, system",
         logset.system,
-        {"kind", "nominal", "tolerance", "description", "note"},
+        {"kind", "nominal", "tolerance", "limits", "description", "note"},
     )
 
 
