@@ -80,11 +80,11 @@ class FourierMotion:
         kw = (k * w)[:, None]
         rate = cos @ (kw * s) - sin @ (kw * c)
         acceleration = -cos @ (kw**2 * c) - sin @ (kw**2 * s)
-        return np.asarray((cos - 1.0) @ c + sin @ s), np.asarray(rate), np.asarray(acceleration)
+        return _floats((cos - 1.0) @ c + sin @ s), _floats(rate), _floats(acceleration)
 
     def times(self, dt: float) -> Array:
         """Sample times of all cycles [s]."""
-        return dt * np.arange(round(self.cycles * self.period / dt))
+        return _floats(dt * np.arange(round(self.cycles * self.period / dt)))
 
     def save(self, path: str | Path) -> None:
         """Write the motion as YAML."""
@@ -139,3 +139,7 @@ def _table(document: Mapping[str, Any], key: str) -> tuple[tuple[float, ...], ..
         raise ValueError(
             f"{key} is not a list of lists of numbers; expected one per shaft"
         ) from None
+
+
+def _floats(values: Any) -> Array:
+    return np.asarray(values, dtype=np.float64)

@@ -1,8 +1,12 @@
 """One run of the blind machine on a motion of the caller's, for experiments beyond the fixed six."""
 
+from typing import Any
+
 import numpy as np
 
+from . import drive_logset
 from .c_drive import Machine, Program, run
+from .case import SINGLE, Case
 from .controllers import Controller
 from .drive_logset import COLUMNS
 from .motion import Array
@@ -42,3 +46,12 @@ def csv(rows: Array) -> str:
     """The rows as the text of a log set's table."""
     lines = [",".join(f % v for f, v in zip(FORMATS, row)) for row in rows]
     return "\n".join([",".join(COLUMNS), *lines, ""])
+
+
+def description(name: str, runs: list[dict[str, Any]]) -> dict[str, Any]:
+    """The content of ``logset.yaml`` for these runs; it says nothing of what is hidden."""
+    nominal = Machine()
+    case = Case(
+        seed=0, index=0, kind=SINGLE, answer=(), cause=(), nominal=nominal, machine=nominal, partial={}
+    )  # fmt: skip
+    return {**drive_logset.description(case), "name": name, "runs": runs}

@@ -18,7 +18,7 @@ def design(
     effort: Annotated[float | None, typer.Option(help="Largest shaft effort [N m or N].")] = None,
     travel: Annotated[
         list[str] | None,
-        typer.Option(help="Range of a task coordinate, such as translation=-20:0 [rad or m]."),
+        typer.Option(help="Range of a task coordinate, such as translation=-0.2:0 [m]."),
     ] = None,
     controller: Annotated[
         str | None, typer.Option(help="Controller id of the log set; default: of the first run.")
@@ -60,7 +60,7 @@ def design(
     first, second = (r.fit.hypothesis.label for r in (found.pair.first, found.pair.second))
     typer.echo(f"{diagnosis.verdict.verdict}: {first} against {second}. {found.pair.remark}")
     typer.echo(
-        f"Existing runs: {found.before:.3g} nats. Repeating {found.repeat['run']}: "
+        f"Existing runs: {found.before:.3g} nats for the first, in sample. Repeating {found.repeat['run']}: "
         f"{found.repeat['nats']:.3g}. Designed motion: {found.nats:.3g} nats a run; {found.runs} "
         f"run(s) for {100 * error:g} % error. {found.simulations} simulations, "
         f"{found.seconds:.0f} s."

@@ -51,7 +51,7 @@ class Design:
     responses: tuple[Response, ...]  # if the first hypothesis is true, if the second is
     noise: float  # rms [position unit]
     nats: float  # expected of one run by full refits, the smaller of both directions
-    before: float  # what the existing fit runs say for the first hypothesis [nats]
+    before: float  # what the existing fit runs say for the first hypothesis, in sample [nats]
     repeat: dict[str, Any]  # the best logged motion: its run and the nats of repeating it
     error: float  # probability of the wrong choice that ``runs`` is for
     simulations: int

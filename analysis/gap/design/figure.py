@@ -20,9 +20,10 @@ def plot_design(design: Design, path: Path) -> None:
     position, rate, _ = design.motion.sample(t)
     task = position @ machine.task_map.T
     for i, (name, (color, style)) in enumerate(zip(machine.task, STYLES)):
-        axes[0].plot(t, task[:, i], style, color=color, label=name)
+        span = max(limits.upper[i], -limits.lower[i], 1e-12)
+        axes[0].plot(t, task[:, i] / span, style, color=color, label=name)
         for bound in (limits.lower[i], limits.upper[i]):
-            axes[0].axhline(bound, color=color, linestyle=":", linewidth=0.8)
+            axes[0].axhline(bound / span, color=color, linestyle=":", linewidth=0.8)
     for j, (name, (color, style)) in enumerate(zip(machine.shafts, STYLES)):
         axes[1].plot(t, rate[:, j], style, color=color, label=name)
         command = design.responses[0].run.command[:, j]
@@ -36,7 +37,7 @@ def plot_design(design: Design, path: Path) -> None:
         axes[3].plot(t, size, style, color=color, linewidth=0.8, label=f"if {label} is true")
     axes[3].axhline(design.noise, color="0.4", linestyle=":", label="noise, rms")
     unit = machine.position_unit
-    axes[0].set_ylabel(f"task position [{unit}]")
+    axes[0].set_ylabel("task position over\nits farther limit [-]")
     axes[1].set_ylabel(f"shaft speed [{unit}/s]")
     axes[2].set_ylabel(f"command [{machine.effort_unit}]")
     axes[3].set_ylabel(f"error of the refitted\nrival [{unit}]")

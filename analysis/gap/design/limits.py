@@ -14,8 +14,8 @@ from ..machine import Array
 # Extremes of the C-drive's benchmark: Table 5-2 (travel; half a turn either way), translation at
 # 2 Hz (speed) and the largest printed torque, Table 5-5.
 C_DRIVE: dict[str, Any] = {
-    "translation": (-20.0 * np.pi / 3.0, 0.0),
-    "rotation": (-np.pi, np.pi),
+    "translation": (-0.2, 0.0),  # m
+    "rotation": (-np.pi, np.pi),  # rad
     "speed": 183.3,
     "effort": 3.4247,
 }
@@ -25,7 +25,7 @@ C_DRIVE: dict[str, Any] = {
 class Limits:
     """Bounds of a motion that starts at zero."""
 
-    lower: Array  # (task,) of every task coordinate [position unit]
+    lower: Array  # (task,) of every task coordinate, in the unit of machine.task_map
     upper: Array  # (task,)
     speed: float  # of every shaft [position unit/s]
     effort: float  # of every shaft [effort unit]

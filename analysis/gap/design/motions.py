@@ -16,6 +16,7 @@ from .limits import Limits
 HARMONICS = 4
 ONE_SIDED = 0.1  # a side with less than this share of the other is not used
 SAMPLES = 400  # per cycle, where limits are looked at
+GRID = 0.999  # of a limit: what extremes between these samples may add
 
 
 class Motions:
@@ -42,7 +43,7 @@ class Motions:
         motion = self._build(shafts, cycles, name)
         _, rate, _ = motion.sample(np.linspace(0.0, self._period, SAMPLES))
         peak = float(np.max(np.abs(rate)))
-        return scaled(motion, min(1.0, limits.speed / peak)) if peak > 0.0 else motion
+        return scaled(motion, min(1.0, GRID * limits.speed / peak)) if peak > 0.0 else motion
 
     def _series(self, part: Array, low: float, high: float) -> Array:
         """Coefficients (2, 2 harmonics) of one task coordinate inside its travel."""
@@ -58,7 +59,7 @@ class Motions:
         span = max(high, -low)
         c, s, value = span * c, span * s, span * value
         rooms = [
-            bound / extreme
+            GRID * bound / extreme
             for bound, extreme in ((high, value.max()), (low, value.min()))
             if abs(extreme) > 1e-9 * span
         ]

@@ -6,6 +6,7 @@ import yaml
 from scipy.stats import norm
 
 from gapscope.analysis.errors import InputError
+from gapscope.analysis.examples import next_experiment
 from gapscope.analysis.gap.design import Limits, design_experiment, limits_of, top_two
 from gapscope.analysis.gap.design.experiment import runs_needed
 from gapscope.analysis.gap.design.motions import Motions, scaled
@@ -18,7 +19,7 @@ from gapscope.models.fourier_motion import load_motion
 
 MACHINE = c_drive_machine(CDriveParameters(), 0.03)
 LIMITS = Limits(
-    lower=np.array([-20.0, -3.0]),
+    lower=np.array([-0.15, -3.0]),
     upper=np.array([0.0, 3.0]),
     speed=100.0,
     effort=3.0,
@@ -54,10 +55,10 @@ def test_candidates_keep_travel_and_speed_and_use_one_side_only():
         motion = motions.motion(rng.uniform(-1.0, 1.0, motions.size), 1)
         position, rate, _ = motion.sample(np.linspace(0.0, 1.0, 2000))
         task = position @ MACHINE.task_map.T
-        slack = 1e-3 * 20.0  # extremes are looked for on 400 points a cycle
+        slack = 1e-6  # of rounding
         assert np.all(task >= LIMITS.lower - slack)
         assert np.all(task <= LIMITS.upper + slack)
-        assert np.max(np.abs(rate)) <= 1.01 * LIMITS.speed
+        assert np.max(np.abs(rate)) <= LIMITS.speed
 
 
 def test_runs_needed_are_those_of_a_gaussian_log_likelihood_ratio():
@@ -133,3 +134,20 @@ def test_impossible_limits_are_named(diagnosis, options, word):
 def test_an_unknown_controller_is_named(diagnosis):
     with pytest.raises(InputError, match="controller"):
         design_experiment(diagnosis, controller="lqr")
+
+
+# Fits of a diagnosis pass through plants that diverge, whose residuals overflow scipy's norms.
+@pytest.mark.filterwarnings("ignore::RuntimeWarning:numpy", "ignore::RuntimeWarning:scipy")
+def test_running_the_designed_motion_resolves_an_ambiguous_pair(tmp_path):
+    """On the independent machine, whose torque loop lags by 1 ms; the instrument is not told."""
+    found, designs = next_experiment.main(tmp_path, rounds=1)
+    before, after = found[0], found[-1]
+    pair = {*designs[0].pair.first.fit.hypothesis.ids, *designs[0].pair.second.fit.hypothesis.ids}
+    assert before.verdict.verdict == "ambiguous"
+    assert pair == {"friction.stribeck", "actuator.lag"}
+    assert designs[0].runs == 1
+    named = {e["id"] for e in after.to_json()["effects"]}
+    assert named & pair == {"actuator.lag"}
+    # A delay of 1 ms is nearly its twin and may stay: what a second round is for.
+    assert named <= {"actuator.lag", "actuator.delay"}
+    assert (tmp_path / "design1" / "design.png").stat().st_size > 10_000
