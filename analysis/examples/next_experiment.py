@@ -51,13 +51,11 @@ def _record(
     rows = any_motion.table(HIDDEN, pd, t, reference, acceleration, seed=len(runs))
     runs.append({"file": f"run{len(runs) + 1}.csv", "controller": "pd", **keys})
     (folder / runs[-1]["file"]).write_text(any_motion.csv(rows))
-    description = any_motion.description("next experiment", runs)
-    (folder / "logset.yaml").write_text(yaml.safe_dump(description, sort_keys=False))
+    text = yaml.safe_dump(any_motion.description("next experiment", runs))
+    (folder / "logset.yaml").write_text(text)
 
 
 if __name__ == "__main__":
-    diagnoses, plans = main(Path(sys.argv[1]))
+    diagnoses, _ = main(Path(sys.argv[1]))
     for found in diagnoses:
         sys.stdout.write(f"{found.verdict.verdict}: {found.verdict.reason}\n")
-    for plan in plans:
-        sys.stdout.write(f"designed: {plan.nats:.3g} nats, {plan.simulations} simulations\n")
