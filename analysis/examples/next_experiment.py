@@ -47,15 +47,14 @@ def _record(
     """Three cycles of the hidden machine under PD, added to the log set in the folder."""
     t = np.arange(round(3.0 / program.rate / 1e-3)) * np.float64(1e-3)
     reference, _, acceleration = program.sample(t)
-    pd = drive_logset.STIFF["pd"]
-    rows = any_motion.table(HIDDEN, pd, t, reference, acceleration, seed=len(runs))
+    pd, seed = drive_logset.STIFF["pd"], len(runs)
+    rows = any_motion.table(HIDDEN, pd, t, reference, acceleration, seed=seed)
     runs.append({"file": f"run{len(runs) + 1}.csv", "controller": "pd", **keys})
     (folder / runs[-1]["file"]).write_text(any_motion.csv(rows))
-    text = yaml.safe_dump(any_motion.description("next experiment", runs))
-    (folder / "logset.yaml").write_text(text)
+    text = any_motion.description("next experiment", runs)
+    (folder / "logset.yaml").write_text(yaml.safe_dump(text))
 
 
 if __name__ == "__main__":
-    diagnoses, _ = main(Path(sys.argv[1]))
-    for found in diagnoses:
+    for found in main(Path(sys.argv[1]))[0]:
         sys.stdout.write(f"{found.verdict.verdict}: {found.verdict.reason}\n")
