@@ -1,0 +1,1 @@
+"""Parallel machines of Roldan's thesis: kinematics and rigid-body dynamics in actuated coordinates."""
