@@ -26,6 +26,7 @@ FURTHER_SCREEN = (
 NEAR_FLOOR = 1.03  # a residual this close to the floor, as a ratio, leaves nothing to explain
 IDLE = 1e-3  # a parameter whose loss rises by less than this without it goes at once
 RESAMPLES = 1000
+TWIN = 0.002  # scores closer than this share of the residual separate nothing: nuisance exceeds it
 
 Progress = Callable[[str], None]
 
@@ -155,7 +156,7 @@ def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
     rng = np.random.default_rng(seed)
     draws = rng.integers(0, samples.size, (RESAMPLES, samples.size))
     logs = _log_rms(losses, samples, draws)
-    wins = np.bincount(np.argmin(logs + prices[:, None], axis=0), minlength=len(chosen))
+    wins = _shared_wins(logs + prices[:, None])
     reference = _log_rms(retuned.losses[None], samples, draws)[0]
     ranked = []
     for i, candidate in enumerate(chosen):
@@ -169,6 +170,12 @@ def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
             )
         )
     return sorted(ranked, key=lambda r: r.fit.score)
+
+
+def _shared_wins(scores: Array) -> Array:
+    """Draws won by each hypothesis of ``scores`` (hypotheses, draws); twins share theirs."""
+    close = scores <= scores.min(axis=0) + TWIN
+    return np.asarray((close / close.sum(axis=0)).sum(axis=1))
 
 
 def _log_rms(losses: Array, samples: Array, draws: NDArray[np.int64]) -> Array:

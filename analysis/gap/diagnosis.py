@@ -31,7 +31,7 @@ from .machine import Array, Machine, RunData
 from .machines import read_machine, stated_encoder_step
 from .shrinkage import Shrinkage, closed_loop, shrinkage
 from .signals import SignalFinding, examine
-from .verdict import Verdict, decide, with_findings
+from .verdict import Verdict, confirmed, decide, with_findings
 
 HELD_BACK = 0.3  # share of a lone run's end that is kept for validation
 SIGNAL_PROBABILITY = 0.99  # of a signal finding, which passes its own strict test or is not made
@@ -171,6 +171,10 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     tell("verifying on held-out runs")
     as_logged = [run for run in logged if run.use == "validate"]
     shrunk = shrinkage(machine, as_logged, held_back, retuned, chosen, seed)
+    verdict = confirmed(verdict, shrunk)
+    if verdict.accepted is None and chosen is not retuned:
+        chosen = retuned
+        shrunk = shrinkage(machine, as_logged, held_back, retuned, chosen, seed)
     loops = closed_loop(
         machine, held_back, {"before": nominal, "retuned": retuned, "after": chosen}
     )

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from .attribution import LEAST_GAIN, Ranked
+from .shrinkage import Shrinkage
 from .signals import SignalFinding
 
 NEGLIGIBLE = (
@@ -11,6 +12,7 @@ NEGLIGIBLE = (
 )
 GAP_RATIO = 1.25  # nor is one below this multiple that no effect improves
 LEAST_REMOVED = 0.75  # an explanation removes this share of what lies between retuned and floor
+NEAR_FLOOR = 1.5  # an explanation comes this near the floor on held-out runs, as a ratio
 RIVAL_PROBABILITY = 0.05  # a rival this likely makes the choice ambiguous
 
 
@@ -107,3 +109,34 @@ def with_findings(verdict: Verdict, findings: Sequence[SignalFinding]) -> Verdic
     joined = "explained" if verdict.verdict == "no_gap" else verdict.verdict
     rest = "Beyond that, no gap." if verdict.verdict == "no_gap" else verdict.reason
     return replace(verdict, verdict=joined, reason=f"{signals}. {rest}")
+
+
+def confirmed(verdict: Verdict, held_out: Shrinkage) -> Verdict:
+    """The verdict, or ``unexplained`` where the validation runs contradict it.
+
+    Validation runs can only take a claim back, never choose one. A floor that is the encoder's
+    resolution for want of repeated motions is no measure, nor is the residual of impacts, which
+    the least difference in timing makes large.
+    """
+    if "no repeated cycles" in held_out.floor_source:
+        return verdict
+    before, after = held_out.retuned / held_out.floor, held_out.after / held_out.floor
+    if verdict.accepted is None:
+        hidden = verdict.verdict in ("no_gap", "explained") and before > GAP_RATIO
+        reason = (
+            f"The validation runs hold a gap ({before:.1f} x the floor) that the fit runs do not "
+            "show well enough to tell its cause."
+        )
+    else:
+        rough = verdict.accepted.fit.hypothesis.rough
+        hidden = verdict.verdict == "explained" and after > NEAR_FLOOR and not rough
+        reason = (
+            f"On the validation runs {verdict.accepted.fit.hypothesis.label} still leaves "
+            f"{after:.1f} x the floor ({before:.1f} x before; {NEAR_FLOOR} x at most are asked): "
+            "something else acts as well, or instead."
+        )
+    if not hidden:
+        return verdict
+    return replace(
+        verdict, verdict="unexplained", reason=f"{reason} {verdict.reason}", accepted=None
+    )
