@@ -3,11 +3,11 @@
 import numpy as np
 
 from ..machine import Machine, Plant
-from .base import Effect, Form, Scales, Values, at, parameter
+from .base import Effect, Form, Scales, Values, at, everywhere, parameter
 
 
 def forms(machine: Machine, scales: Scales) -> list[Form]:
-    """A scale error of each encoder."""
+    """One scale error of all encoders, such as a wrong count; a second form lets each have its own."""
     parameters = tuple(
         parameter(f"scale_error_{s}", "-", 0.2, lower=-0.5, upper=1.0, starts=(0.0,))
         for s in machine.shafts
@@ -18,16 +18,28 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             [1.0 + values.get(f"scale_error_{s}", 0.0) for s in machine.shafts]
         )
 
-    return [
-        Form(
-            effect=EFFECT.id,
-            name="scale of each encoder",
-            parameters=parameters,
-            apply=apply,
-            where=at("joints", "scale_error_"),
-            removable=frozenset(p.name for p in parameters),
-        )
-    ]
+    each = Form(
+        effect=EFFECT.id,
+        name="scale of each encoder",
+        parameters=parameters,
+        apply=apply,
+        where=at("joints", "scale_error_"),
+        removable=frozenset(p.name for p in parameters),
+    )
+    if len(machine.shafts) == 1:
+        return [each]
+
+    def apply_common(plant: Plant, values: Values) -> None:
+        plant.sensor_scale = np.full(len(machine.shafts), 1.0 + values["scale_error"])
+
+    common = Form(
+        effect=EFFECT.id,
+        name="common scale",
+        parameters=(parameter("scale_error", "-", 0.2, lower=-0.5, upper=1.0, starts=(0.0,)),),
+        apply=apply_common,
+        where=everywhere("joints", machine.shafts),
+    )
+    return [common, each]
 
 
 EFFECT = Effect(
