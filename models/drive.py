@@ -31,7 +31,7 @@ from . import control, friction
     STRIBECK_SPEED,  # [rad/s or m/s]
     WIDTH,  # smoothing of the sign [rad/s or m/s]
     STIFFNESS,  # presliding stiffness, 0 for the smoothed sign [N m/rad or N/m]
-    DRIFT,  # relative growth of friction with time [1/s]
+    FADE,  # rate at which the element's sliding friction dies away with time [1/s]
 ) = range(9)
 
 # Columns of ``Drive.shaft``, the constants of a shaft and its actuator.
@@ -128,7 +128,9 @@ def acceleration(
                 drive.element[i, STRIBECK_SPEED],
                 drive.element[i, WIDTH],
             )
-        force = held[i] + (1.0 + drive.element[i, DRIFT] * t) * force
+        if drive.element[i, FADE] != 0.0:
+            force *= np.exp(-drive.element[i, FADE] * t)
+        force += held[i]
         for j in range(n):
             work[j] -= drive.elements[i, j] * force
     for c in range(drive.coupling.shape[0]):

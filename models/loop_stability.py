@@ -31,7 +31,7 @@ NONLINEAR_ELEMENT = {
     "BACKWARD": drive.BACKWARD,
     "BREAKAWAY": drive.BREAKAWAY,
     "STIFFNESS": drive.STIFFNESS,
-    "DRIFT": drive.DRIFT,
+    "FADE": drive.FADE,
 }
 NONLINEAR_SHAFT = {
     "LOAD_FRICTION": drive.LOAD_FRICTION,

@@ -91,7 +91,7 @@ def _add_each(
         if form.effect in parent.hypothesis.ids or form.family in families:
             continue
         progress(f"{parent.hypothesis.label} + {form.effect}, {form.name}")
-        same = [f for f in children if f.hypothesis.ids[-1] == form.effect]
+        same = [f for f in children if f.hypothesis.ids[-1] == form.effect and not form.own_start]
         warm = min(same, key=lambda f: f.score) if same else parent
         child = parent.hypothesis.with_form(form)
         screen = FURTHER_SCREEN if parent.hypothesis.forms else SCREEN
@@ -102,7 +102,10 @@ def _add_each(
 def _refine(predictor: Predictor, best: Fit, retuned: Fit, form: Form) -> Fit:
     """The best hypothesis with its form of this effect made richer, or the richer form alone."""
     if form.effect in best.hypothesis.ids:
-        return fit(predictor, best.hypothesis.without(form.effect).with_form(form), best)
+        others = best.hypothesis
+        for effect in (form.effect, *form.stands_for):
+            others = others.without(effect)
+        return fit(predictor, others.with_form(form), best)
     return fit(predictor, Hypothesis(forms=(form,)), retuned)
 
 

@@ -22,6 +22,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             apply=_ripple(machine, wavenumber),
             where=_places,
             removable=frozenset(p.name for p in parameters),
+            own_start=True,
         )
         for period, wavenumber in machine.ripples.items()
     ]

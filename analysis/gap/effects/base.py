@@ -53,7 +53,9 @@ class Form:
     replaces: frozenset[str] = frozenset()
     shapes: frozenset[str] = frozenset()  # parameters that matter only once others are not zero
     family: str = ""  # forms of one family describe the same contact and never act together
+    own_start: bool = False  # values of the effect's other forms mean something else here
     refined: bool = False  # a richer version of another form, tried once that form is chosen
+    stands_for: frozenset[str] = frozenset()  # effects that a refined form may make needless
     price: float = 0.0  # further fall of the log residual asked of a form that is rarely the reason
     step: float = 0.0  # finite-difference step in parameter scales, where the default is too fine
 

@@ -35,12 +35,14 @@ def width_parameter(machine: Machine, scales: Scales) -> Parameter:
     )
 
 
+def asymmetry_parameter(name: str) -> Parameter:
+    """The share that a level has more forward and less backward."""
+    return parameter(name, "-", 0.3, lower=-1.0, upper=1.0)
+
+
 def asymmetry_parameters(machine: Machine) -> tuple[Parameter, ...]:
-    """The share that each element's level has more forward and less backward."""
-    return tuple(
-        parameter(f"asymmetry_{e}", "-", 0.3, lower=-1.0, upper=1.0, starts=(0.0,))
-        for e in machine.elements
-    )
+    """An asymmetry for each friction element."""
+    return tuple(asymmetry_parameter(f"asymmetry_{e}") for e in machine.elements)
 
 
 def apply_smooth_sign(machine: Machine, scales: Scales) -> Callable[[Plant, Values], None]:
@@ -49,12 +51,18 @@ def apply_smooth_sign(machine: Machine, scales: Scales) -> Callable[[Plant, Valu
     def apply(plant: Plant, values: Values) -> None:
         _add_levels(plant, values, machine)
         plant.drive.element[:, WIDTH] = values["width"]
-        steepest = float(np.max(plant.drive.element[:, (FORWARD, BACKWARD)])) / values["width"]
-        fastest = steepest / float(np.linalg.eigvalsh(plant.inertia)[0])
-        wanted = int(np.ceil(fastest * scales.dt / STABLE))
-        plant.substeps = max(plant.substeps, min(wanted, MOST_SUBSTEPS))
+        keep_stable(plant, scales)
 
     return apply
+
+
+def keep_stable(plant: Plant, scales: Scales) -> None:
+    """Shorten the plant's steps to what the steepest smoothed sign asks for."""
+    element = plant.drive.element
+    steepest = float(np.max(element[:, (FORWARD, BACKWARD)].max(axis=1) / element[:, WIDTH]))
+    fastest = steepest / float(np.linalg.eigvalsh(plant.inertia)[0])
+    wanted = int(np.ceil(fastest * scales.dt / STABLE))
+    plant.substeps = max(plant.substeps, min(wanted, MOST_SUBSTEPS))
 
 
 def apply_bristles(machine: Machine, scales: Scales) -> Callable[[Plant, Values], None]:
@@ -70,6 +78,7 @@ def apply_bristles(machine: Machine, scales: Scales) -> Callable[[Plant, Values]
 
 def _add_levels(plant: Plant, values: Values, machine: Machine) -> None:
     for i, e in enumerate(machine.elements):
-        level, asymmetry = values.get(f"level_{e}", 0.0), values.get(f"asymmetry_{e}", 0.0)
+        level = values.get(f"level_{e}", 0.0)
+        asymmetry = values.get(f"asymmetry_{e}", values.get("asymmetry", 0.0))
         plant.drive.element[i, FORWARD] += level * (1.0 + asymmetry)
         plant.drive.element[i, BACKWARD] += level * (1.0 - asymmetry)

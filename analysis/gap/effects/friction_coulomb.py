@@ -6,6 +6,7 @@ from .dry_friction import (
     FAMILY,
     apply_bristles,
     apply_smooth_sign,
+    asymmetry_parameter,
     asymmetry_parameters,
     level_parameters,
     width_parameter,
@@ -41,11 +42,29 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             price=RARE if by_direction else 0.0,
         )
 
-    return [
+    found = [
         form(name, shape, by_direction=by_direction)
         for by_direction in (False, True)
         for name, shape in (("smoothed sign", width), ("Dahl", travel))
     ]
+    return [*found, _one_way(machine, scales)] if len(machine.elements) > 1 else found
+
+
+def _one_way(machine: Machine, scales: Scales) -> Form:
+    """Every level larger by one share in one direction: what else looks like a load on all shafts."""
+    levels = level_parameters(machine, scales)
+    return Form(
+        effect=EFFECT.id,
+        name="smoothed sign, one direction heavier",
+        parameters=(*levels, asymmetry_parameter("asymmetry"), width_parameter(machine, scales)),
+        apply=apply_smooth_sign(machine, scales),
+        where=at("elements", "level_"),
+        shapes=frozenset({"width", "asymmetry"}),
+        removable=frozenset(p.name for p in levels),
+        family=FAMILY,
+        refined=True,
+        stands_for=frozenset({"load.bias"}),
+    )
 
 
 EFFECT = Effect(

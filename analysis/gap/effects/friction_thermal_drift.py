@@ -2,23 +2,23 @@
 
 import numpy as np
 
-from ....models.drive import BACKWARD, FORWARD, VISCOUS, WIDTH
+from ....models.drive import BACKWARD, FADE, FORWARD, STRIBECK_SPEED, VISCOUS, WIDTH
 from ..machine import Machine, Plant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
+from .dry_friction import keep_stable
 
 WARM_UP = 200.0  # s
 
 
 def forms(machine: Machine, scales: Scales) -> list[Form]:
-    """Viscous and dry friction of the cold machine, decaying with the time it has run.
+    """Viscous and dry friction of the cold machine, dying away with the time it has run.
 
-    Applies where the runs say how long the machine had been running (``start_s``).
+    The lubricant is the same everywhere, so all viscous friction thickens by one share. Applies
+    where the runs say how long the machine had been running (``start_s``).
     """
     if scales.duration < 10.0:
         return []
-    viscous = parameter(
-        "cold_viscous", machine.unit("viscous"), scales.effort / scales.rate, starts=(0.0,)
-    )
+    excess = parameter("cold_viscous_share", "-", 0.5)
     level = parameter("cold_level", machine.unit("effort"), scales.effort, lower=0.0)
     warm_up = parameter(
         "warm_up", "s", WARM_UP, lower=0.05 * scales.duration, upper=100.0 * scales.duration,
@@ -26,22 +26,29 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
     )  # fmt: skip
 
     def apply(plant: Plant, values: Values) -> None:
-        cold = np.exp(-plant.time / values["warm_up"])
+        left = np.exp(-plant.time / values["warm_up"])
         n = len(machine.shafts)
-        plant.drive.element[:n, VISCOUS] += cold * values.get("cold_viscous", 0.0)
-        for side in (FORWARD, BACKWARD):
-            plant.drive.element[:n, side] += cold * values.get("cold_level", 0.0)
-        plant.drive.element[:n, WIDTH] = 0.01 * scales.rate
+        cold = np.zeros_like(plant.drive.element)
+        cold[:, VISCOUS] = left * values.get("cold_viscous_share", 0.0)
+        cold[:, VISCOUS] *= plant.drive.element[:, VISCOUS]
+        cold[:n, [FORWARD, BACKWARD]] = left * values.get("cold_level", 0.0)
+        cold[:, [STRIBECK_SPEED, WIDTH]] = plant.drive.element[:, [STRIBECK_SPEED, WIDTH]]
+        cold[:, FADE] = 1.0 / values["warm_up"]
+        plant.drive = plant.drive._replace(
+            elements=np.vstack([plant.drive.elements, plant.drive.elements]),
+            element=np.vstack([plant.drive.element, cold]),
+        )
+        keep_stable(plant, scales)
 
     return [
         Form(
             effect=EFFECT.id,
             name="exponential warm-up",
-            parameters=(viscous, level, warm_up),
+            parameters=(excess, level, warm_up),
             apply=apply,
             where=everywhere("elements", machine.shafts),
             shapes=frozenset({"warm_up"}),
-            removable=frozenset({"cold_viscous", "cold_level"}),
+            removable=frozenset({"cold_viscous_share", "cold_level"}),
         )
     ]
 

@@ -103,6 +103,11 @@ def _run_data(run: Run, dt: float, controller: LoopController) -> RunData:
     rate, acceleration = derivatives(reference, dt)
     position = run.stack("q")
     rate_hz = run.settings.get("rate_Hz")
+    start = run.settings.get("start_s", 0.0)
+    if isinstance(start, bool) or not isinstance(start, int | float) or not np.isfinite(start):
+        raise InputError(
+            f"{FILE}, run {run.name}, start_s", f"{start!r}", "the running time before the run [s]"
+        )
     return RunData(
         name=run.name,
         use=run.use,
@@ -117,4 +122,5 @@ def _run_data(run: Run, dt: float, controller: LoopController) -> RunData:
         controller=controller,
         period=round(1.0 / (rate_hz * dt)) if isinstance(rate_hz, int | float) else None,
         lsb=encoder_step(position),
+        start=float(start),
     )

@@ -9,7 +9,15 @@ from gapscope.analysis.gap.effects import Effect, catalogue, register
 from gapscope.analysis.gap.inverse_model import inverse_model
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
-from gapscope.models.drive import BACKWARD, BIAS, DELAY, FORWARD, WIDTH
+from gapscope.models.drive import (
+    BACKWARD,
+    BIAS,
+    DELAY,
+    FORWARD,
+    RIPPLE_COS,
+    RIPPLE_WAVENUMBER,
+    WIDTH,
+)
 
 from .conftest import write_logset
 
@@ -27,12 +35,18 @@ def delay(plant):
     plant.shaft[:, DELAY] = 1e-3
 
 
+def ripple(plant):
+    plant.shaft[:, RIPPLE_WAVENUMBER] = 8.0
+    plant.shaft[0, RIPPLE_COS] = 0.26
+
+
 @pytest.mark.parametrize(
     ("change", "effect", "where", "parameter", "value", "tolerance"),
     [
         # Tolerances are three times the interval's half width of a fit to this noise, rounded up.
         (coulomb_right, "friction.coulomb", {"elements": ["right"]}, "level_right", 0.2, 2e-3),
         (bias, "load.bias", {"joints": ["left", "right"]}, "bias_left", 0.1, 2e-3),
+        (ripple, "actuator.ripple", {"joints": ["left"]}, "cos_left", 0.26, 2e-3),
         (delay, "actuator.delay", {"joints": ["left", "right"]}, "delay", 1e-3, 1e-4),
     ],
 )

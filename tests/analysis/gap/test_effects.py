@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gapscope.analysis.blind_machine import write_case
 from gapscope.analysis.gap.diagnosis import _scales
 from gapscope.analysis.gap.effects import catalogue, forms_for
-from gapscope.analysis.gap.fitting import Predictor
+from gapscope.analysis.gap.fitting import Predictor, fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
@@ -58,6 +59,39 @@ def test_every_form_names_existing_places(case):
         where = form.where([p.name for p in form.parameters])
         assert where
         assert {place for places in where.values() for place in places} <= known, form.name
+
+
+@pytest.fixture(scope="module")
+def cold_slider(tmp_path_factory):
+    """A slider of the independent machine whose friction fades as it warms up, with its answer."""
+    folder = tmp_path_factory.mktemp("cold")
+    answer = write_case(2, 28, folder)
+    machine, runs = read_machine(load_logset(folder))
+    return machine, runs, answer["parameters"]["friction.thermal_drift"]
+
+
+def test_every_form_predicts_a_slider_where_a_search_moves_it(cold_slider):
+    machine, runs, _ = cold_slider
+    predictor, forms = Predictor(machine, runs[:1]), forms_for(machine, _scales(runs))
+    for form in forms:
+        for moved in form.parameters:
+            values = {p.name: p.starts[0] for p in form.parameters}
+            values[moved.name] += 1e-3 * moved.scale
+            found = residual((machine, predictor, forms), form, values)
+            assert np.max(np.abs(found)) < 0.01 * np.ptp(runs[0].position), (form.name, moved.name)
+
+
+def test_warm_up_is_recovered_from_runs_minutes_apart(cold_slider):
+    machine, runs, truth = cold_slider
+    predictor = Predictor(machine, [run for run in runs if run.use == "fit"])
+    (form,) = (f for f in forms_for(machine, _scales(runs)) if f.effect == "friction.thermal_drift")
+    found = fit(predictor, Hypothesis(forms=(form,)), fit(predictor, Hypothesis())).by_key()
+    for name, expected in (
+        ("cold_viscous_share", truth["viscous_excess"]),
+        ("cold_level", truth["coulomb_N"]),
+        ("warm_up", truth["time_constant_s"]),
+    ):  # the nominal model is off by up to 3 %, and the true dry friction is a step
+        assert found[form.effect, name] == pytest.approx(expected, rel=0.05), name
 
 
 def test_one_file_is_one_effect_and_says_its_id():
