@@ -18,11 +18,8 @@ from .machine import Array
 
 MOST_EFFECTS = 3
 BEAM = 2  # single effects that a second one is added to
-LEAST_GAIN = 0.02  # smallest fall of the log residual worth a first effect, beyond its price
-LEAST_FURTHER_GAIN = 0.1  # the same for every further effect or a richer form
-FURTHER_SCREEN = (
-    0.08  # a further effect must lower the loss by more than this; LEAST_FURTHER_GAIN: 0.18
-)
+LEAST_GAIN = 0.02  # smallest fall of the score worth another effect or another set of them
+FURTHER_SCREEN = 0.08  # a further effect must lower the loss by more; its price alone asks for 0.18
 NEAR_FLOOR = 1.03  # a residual this close to the floor, as a ratio, leaves nothing to explain
 IDLE = 1e-3  # a parameter whose loss rises by less than this without it goes at once
 RESAMPLES = 1000
@@ -57,20 +54,25 @@ def attribute(
     fits = [retuned, *singles]
     parents = [f for f in sorted(singles, key=lambda f: f.score) if _better(f, retuned)][:BEAM]
     best = parents[0] if parents else retuned
-    while parents and len(best.hypothesis.forms) < MOST_EFFECTS:
+    while parents:
         # Impacts leave a residual too rough to tell a further effect from a better optimum.
         if best.held_out_rms < NEAR_FLOOR * floor or best.hypothesis.rough:
             break
-        smooth = [p for p in parents if not p.hypothesis.rough]
-        children = [c for p in smooth for c in _add_each(predictor, p, plain, progress)]
-        children = sorted(_best_by_ids(children), key=lambda f: f.score)
+        children = _grown(predictor, parents, plain, fits, progress)
         if not children:
             break
         child = _pruned(predictor, children[0])
-        fits += [child, *children[1:]]
-        if best.score - child.score < LEAST_FURTHER_GAIN:
+        smaller = _without_each(predictor, child)
+        fits += [child, *children[1:], *smaller]
+        found = min([child, *smaller], key=lambda f: f.score)
+        if best.score - found.score < LEAST_GAIN:
             break
-        best, parents = child, [child]
+        before = {frozenset(p.hypothesis.ids) for p in parents}
+        best = found
+        # What the new effect made needless, or look different, may have another partner.
+        parents = [best] + [
+            f for f in smaller if f is not best and frozenset(f.hypothesis.ids) not in before
+        ]
     for form in refined:
         progress(f"{form.effect}, {form.name}")
         fits.append(_pruned(predictor, _refine(predictor, best, retuned, form)))
@@ -97,6 +99,40 @@ def _add_each(
         screen = FURTHER_SCREEN if parent.hypothesis.forms else SCREEN
         children.append(fit(predictor, child, warm, screen))
     return children
+
+
+def _grown(
+    predictor: Predictor,
+    parents: Sequence[Fit],
+    forms: Sequence[Form],
+    tried: Sequence[Fit],
+    progress: Progress,
+) -> list[Fit]:
+    """The parents with one effect more each, best first, sets of effects not tried before."""
+    known = {frozenset(f.hypothesis.ids) for f in tried}
+    smooth = [p for p in parents if not p.hypothesis.rough]
+    children = [
+        child
+        for parent in smooth
+        if len(parent.hypothesis.forms) < MOST_EFFECTS
+        for child in _add_each(
+            predictor,
+            parent,
+            [f for f in forms if frozenset((*parent.hypothesis.ids, f.effect)) not in known],
+            progress,
+        )
+    ]
+    return sorted(_best_by_ids(children), key=lambda f: f.score)
+
+
+def _without_each(predictor: Predictor, full: Fit) -> list[Fit]:
+    """The fit without each of its effects in turn, searched from where the whole one ended."""
+    if len(full.hypothesis.forms) < 2:
+        return []
+    return [
+        fit(predictor, full.hypothesis.without(effect), full, screen=-np.inf)
+        for effect in full.hypothesis.ids
+    ]
 
 
 def _refine(predictor: Predictor, best: Fit, retuned: Fit, form: Form) -> Fit:

@@ -120,9 +120,11 @@ class Fit:
 
 PARAMETER_PRICE = 0.005  # a parameter must lower the held-out residual by this share
 EFFECT_PRICE = 0.01  # an effect, on top of its parameters
+FURTHER_PRICE = 0.1  # every effect beside the first one, on top of that
 
 
 def price(hypothesis: Hypothesis) -> float:
     """What parsimony asks of a hypothesis, as a fall of the log residual, before it may win."""
     effects = sum(EFFECT_PRICE + form.price for form in hypothesis.forms)
-    return PARAMETER_PRICE * hypothesis.size + effects
+    further = FURTHER_PRICE * max(len(hypothesis.forms) - 1, 0)
+    return PARAMETER_PRICE * hypothesis.size + effects + further

@@ -5,7 +5,7 @@ import numpy as np
 from ....models.drive import BACKWARD, FADE, FORWARD, STRIBECK_SPEED, VISCOUS, WIDTH
 from ..machine import Machine, Plant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
-from .dry_friction import keep_stable
+from .dry_friction import keep_stable, width_parameter
 
 WARM_UP = 200.0  # s
 
@@ -32,7 +32,8 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
         cold[:, VISCOUS] = left * values.get("cold_viscous_share", 0.0)
         cold[:, VISCOUS] *= plant.drive.element[:, VISCOUS]
         cold[:n, [FORWARD, BACKWARD]] = left * values.get("cold_level", 0.0)
-        cold[:, [STRIBECK_SPEED, WIDTH]] = plant.drive.element[:, [STRIBECK_SPEED, WIDTH]]
+        cold[:, STRIBECK_SPEED] = plant.drive.element[:, STRIBECK_SPEED]
+        cold[:, WIDTH] = values["width"]
         cold[:, FADE] = 1.0 / values["warm_up"]
         plant.drive = plant.drive._replace(
             elements=np.vstack([plant.drive.elements, plant.drive.elements]),
@@ -44,10 +45,10 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
         Form(
             effect=EFFECT.id,
             name="exponential warm-up",
-            parameters=(excess, level, warm_up),
+            parameters=(excess, level, warm_up, width_parameter(machine, scales)),
             apply=apply,
             where=everywhere("elements", machine.shafts),
-            shapes=frozenset({"warm_up"}),
+            shapes=frozenset({"warm_up", "width"}),
             removable=frozenset({"cold_viscous_share", "cold_level"}),
         )
     ]

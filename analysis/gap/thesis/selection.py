@@ -5,7 +5,7 @@ Smaller than ``gap.attribution.attribute``: 27 numbers carry no third effect and
 
 from collections.abc import Callable, Sequence
 
-from ..attribution import LEAST_FURTHER_GAIN, LEAST_GAIN, Ranked, rank
+from ..attribution import LEAST_GAIN, Ranked, rank
 from ..effects import Form
 from ..hypothesis import Fit
 from .fitting import TableFitter
@@ -24,7 +24,7 @@ def select(
     better = [f for f in singles if retuned.score - f.score > LEAST_GAIN]
     for parent in sorted(better, key=lambda f: f.score)[:PARENTS]:
         children = _add_each(fitter, parent, forms, progress)
-        fits += [c for c in children if parent.score - c.score > LEAST_FURTHER_GAIN]
+        fits += [c for c in children if c.score < parent.score]
     return rank(fits, retuned, seed)
 
 
