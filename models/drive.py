@@ -6,7 +6,7 @@ r"""An n-shaft electromechanical drive with constant inertia: the law behind C-d
 2. :math:`E` (m, n) maps shaft speeds to the speeds of the m friction elements (a shaft's own
    bearing, or the nut between two shafts), :math:`f` (m,) their friction, ``friction.py``;
 3. :math:`h(q) = b + r_c \cos(kq) + r_s \sin(kq)` (n,): bias load and torque ripple;
-4. from command :math:`u` to torque: delay, gain, limit, first-order lag, in this order, and
+4. from command :math:`u` to torque: delay, gain, limit, lag of first or second order, in this order, and
    load-dependent friction proportional to the magnitude of the drive torque.
 
 5. a coupling between two shafts: :math:`k \,\mathrm{dz}(\Delta q, g/2) + c \Delta\dot q` in contact,
@@ -45,7 +45,8 @@ from . import control, friction
     GAIN,  # torque delivered per torque commanded [-]
     LIMIT,  # largest torque magnitude [N m or N]
     LAG,  # time constant of the torque loop [s]
-) = range(9)
+    STAGES,  # equal first-order stages that share the lag, 1 or 2
+) = range(10)
 
 # Columns of ``Drive.coupling``, a flexible connection from one shaft to another.
 (
@@ -63,7 +64,7 @@ class Drive(NamedTuple):
     inertia_inverse: Any  # (n, n) inverse of M [1/(kg m^2) or 1/kg]
     elements: Any  # (m, n) E, speed of each friction element per shaft speed [-]
     element: Any  # (m, 9) constants of the friction elements, columns above
-    shaft: Any  # (n, 9) constants of the shafts, columns above
+    shaft: Any  # (n, 10) constants of the shafts, columns above
     coupling: Any  # (c, 5) flexible couplings between two shafts, columns above
 
     def copy(self) -> "Drive":
@@ -78,10 +79,11 @@ def ideal_drive(inertia: Any, elements: Any, viscous: Any, width: float) -> Driv
     element[:, VISCOUS] = viscous
     element[:, STRIBECK_SPEED] = 10.0 * width
     element[:, WIDTH] = width
-    shaft = np.zeros((n, 9))
+    shaft = np.zeros((n, 10))
     shaft[:, RIPPLE_WAVENUMBER] = 1.0
     shaft[:, GAIN] = 1.0
     shaft[:, LIMIT] = np.inf
+    shaft[:, STAGES] = 1.0
     return Drive(
         np.linalg.inv(inertia),
         np.array(elements, dtype=float),
@@ -129,7 +131,7 @@ def acceleration(
                 drive.element[i, WIDTH],
             )
         if drive.element[i, FADE] != 0.0:
-            force *= np.exp(-drive.element[i, FADE] * t)
+            force *= np.exp(-t * drive.element[i, FADE])
         force += held[i]
         for j in range(n):
             work[j] -= drive.elements[i, j] * force
@@ -230,12 +232,28 @@ def delayed_command(command: Any, k: int, j: int, delay: float, dt: float) -> fl
 
 
 def delivered_torque(
-    command: float, state: float, gain: float, limit: float, lag: float, dt: float
-) -> tuple[float, float]:
-    """Torque of one actuator: its mean over a sample of held ``command``, and the lag's next state."""
+    command: float,
+    first: float,
+    second: float,
+    gain: float,
+    limit: float,
+    lag: float,
+    stages: float,
+    dt: float,
+) -> tuple[float, float, float]:
+    r"""Torque of one actuator: its mean over a sample of held ``command``, and both stages' next state.
+
+    With one stage the second one's state is not used. With two, both have the time constant lag / 2:
+    :math:`\tau_2 = u + (x_2 + x_1 t / T) e^{-t/T}`, :math:`x_i` the states less u.
+    """
     target = control.clip(gain * command, limit)
     if not lag > 0.0:
-        return target, target
-    ratio = lag / dt
+        return target, target, target
+    ratio = lag / (stages * dt)
     decay = np.exp(-1.0 / ratio)
-    return target + (state - target) * ratio * (1.0 - decay), target + (state - target) * decay
+    x1, x2 = first - target, second - target
+    after = target + x1 * decay
+    if stages < 2.0:
+        return target + x1 * ratio * (1.0 - decay), after, after
+    mean = ratio * ((x1 + x2) * (1.0 - decay) - x1 * decay / ratio)
+    return target + mean, after, target + (x2 + x1 / ratio) * decay

@@ -204,7 +204,7 @@ def correction_gains(bandwidth: float, dt: float) -> tuple[float, float]:
 def _rest(plant: Drive) -> tuple[Any, ...]:
     """Speeds, bristle deflections, held forces, lag states and torques of a machine at rest."""
     m, shafts = plant.elements.shape
-    return np.zeros(shafts), np.zeros(m), np.zeros(m), np.zeros(shafts), np.zeros(shafts)
+    return np.zeros(shafts), np.zeros(m), np.zeros(m), np.zeros((2, shafts)), np.zeros(shafts)
 
 
 @compilation.kernel
@@ -256,12 +256,14 @@ def advance(
     """Move the plant on by one sample under ``command`` (samples, n); notes the delivered torque."""
     for j in range(command.shape[1]):
         late = drive.delayed_command(command, k, j, plant.shaft[j, drive.DELAY], dt)
-        torque[j], lag[j] = drive.delivered_torque(
+        torque[j], lag[0, j], lag[1, j] = drive.delivered_torque(
             late,
-            lag[j],
+            lag[0, j],
+            lag[1, j],
             plant.shaft[j, drive.GAIN],
             plant.shaft[j, drive.LIMIT],
             plant.shaft[j, drive.LAG],
+            plant.shaft[j, drive.STAGES],
             dt,
         )
     step = dt / substeps

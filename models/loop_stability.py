@@ -61,7 +61,7 @@ def loop_matrix(
     _check_linear(plant, controller)
     shafts, n = plant.shaft.shape[0], controller.kp.shape[0]
     past = int(np.max(plant.shaft[:, drive.DELAY]) // dt) + 1
-    size = 2 * shafts + (4 + past) * n
+    size = 2 * shafts + (5 + past) * n
     matrix = np.zeros((size, size))
     _probe(plant, controller, dt, substeps, past, np.eye(size), matrix)
     if not np.any(controller.ki):
@@ -92,25 +92,25 @@ def _probe(
     shafts, n = plant.shaft.shape[0], controller.kp.shape[0]
     m = plant.elements.shape[0]
     zero = np.zeros((past + 1, n))
-    z, held, torque, lag = np.zeros(m), np.zeros(m), np.zeros(shafts), np.zeros(shafts)
+    z, held, torque, lag = np.zeros(m), np.zeros(m), np.zeros(shafts), np.zeros((2, shafts))
     work = drive.work_arrays(shafts)
     for i in range(states.shape[0]):
         x = states[i]
         q, v = x[:shafts].copy(), x[shafts : 2 * shafts].copy()
-        rest = x[2 * shafts :].copy().reshape((4 + past, n))
+        rest = x[2 * shafts :].copy().reshape((5 + past, n))
         memory = np.zeros((7, n))
         memory[LOW_PASSED], memory[OBSERVED], memory[INTEGRAL] = rest[0], rest[1], rest[2]
         position, command = np.zeros((past + 1, n)), np.zeros((past + 1, n))
-        command[:past] = rest[4:]
+        command[:past] = rest[5:]
         position[past] = q[:n]
-        lag[:n] = rest[3]
+        lag[:, :n] = rest[3:5]
         control_step(past, zero, zero, position, controller, dt, memory, command)
         advance(past, q, v, z, held, lag, torque, command, plant, dt, substeps, work)
         rest[0], rest[1], rest[2] = memory[LOW_PASSED], memory[OBSERVED], memory[INTEGRAL]
-        rest[3] = lag[:n]
-        rest[4:] = command[1:]
+        rest[3:5] = lag[:, :n]
+        rest[5:] = command[1:]
         after[:shafts, i], after[shafts : 2 * shafts, i] = q, v
-        after[2 * shafts :, i] = rest.copy().reshape((4 + past) * n)
+        after[2 * shafts :, i] = rest.copy().reshape((5 + past) * n)
 
 
 def _check_linear(plant: Drive, controller: LoopController) -> None:

@@ -12,7 +12,8 @@ NEGLIGIBLE = (
 )
 GAP_RATIO = 1.25  # nor is one below this multiple that no effect improves
 LEAST_REMOVED = 0.75  # an explanation removes this share of what lies between retuned and floor
-NEAR_FLOOR = 1.5  # an explanation comes this near the floor on held-out runs, as a ratio
+NEAR_FLOOR = 1.3  # an explanation comes this near the floor on held-out runs, as a ratio,
+MOST_LEFT = 0.05  # or leaves no more than this share of what lies between retuned and floor
 RIVAL_PROBABILITY = 0.05  # a rival this likely makes the choice ambiguous
 
 
@@ -129,7 +130,9 @@ def confirmed(verdict: Verdict, held_out: Shrinkage) -> Verdict:
         )
     else:
         rough = verdict.accepted.fit.hypothesis.rough
-        hidden = verdict.verdict == "explained" and after > NEAR_FLOOR and not rough
+        left = (after - 1.0) / max(before - 1.0, 1e-12)
+        far = after > NEAR_FLOOR and left > MOST_LEFT
+        hidden = verdict.verdict == "explained" and far and not rough
         reason = (
             f"On the validation runs {verdict.accepted.fit.hypothesis.label} still leaves "
             f"{after:.1f} x the floor ({before:.1f} x before; {NEAR_FLOOR} x at most are asked): "

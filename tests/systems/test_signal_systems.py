@@ -5,6 +5,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import VectorLogSink
+from scipy.linalg import expm
 from scipy.signal import cont2discrete, lfilter
 
 from gapscope.models import drive, encoder, motion
@@ -104,6 +105,19 @@ def test_lagging_amplifier_delivers_the_mean_of_the_exact_response():
             torque = following
         error = (DT / fine / lag) ** 2 / 12.0 * np.abs(before).max()
         np.testing.assert_allclose(got, total / fine, rtol=0, atol=2 * error + 1e-9)
+
+
+def test_two_stages_deliver_the_mean_of_the_exact_response():
+    """Mean torque over a sample from the matrix exponential of both stages and their integral."""
+    lag = 3e-3
+    before, after = driven(amplifier(LAG=lag, STAGES=2), "command", "torque", samples=20)
+    rate = 2.0 / lag
+    system = np.array([[-rate, 0, 0, rate], [rate, -rate, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0]])
+    step, state = expm(DT * system), np.zeros((4, 2))
+    for command, got in zip(before, after):
+        state[2], state[3] = 0.0, command
+        state = step @ state
+        np.testing.assert_allclose(got, state[2] / DT, rtol=0, atol=1e-12 * np.abs(before).max())
 
 
 def test_tracking_error_is_reference_minus_position():

@@ -1,12 +1,14 @@
 """Finite bandwidth of the torque or current loop."""
 
-from ....models.drive import LAG
+from collections.abc import Callable
+
+from ....models.drive import LAG, STAGES
 from ..machine import Machine, Plant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
 
 
 def forms(machine: Machine, scales: Scales) -> list[Form]:
-    """The same first-order lag in every actuator."""
+    """The same lag in every actuator, of one stage or of two equal ones."""
     dt = scales.dt
     lag = parameter(
         "time_constant", "s", dt, lower=0.0, upper=50.0 * dt, starts=(0.0, dt, 4.0 * dt)
@@ -14,16 +16,21 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
     return [
         Form(
             effect=EFFECT.id,
-            name="first order",
+            name=name,
             parameters=(lag,),
-            apply=_apply,
+            apply=_lag(stages),
             where=everywhere("joints", machine.shafts),
         )
+        for stages, name in enumerate(("first order", "second order"), 1)
     ]
 
 
-def _apply(plant: Plant, values: Values) -> None:
-    plant.drive.shaft[:, LAG] = values["time_constant"]
+def _lag(stages: int) -> Callable[[Plant, Values], None]:
+    def apply(plant: Plant, values: Values) -> None:
+        plant.drive.shaft[:, LAG] = values["time_constant"]
+        plant.drive.shaft[:, STAGES] = stages
+
+    return apply
 
 
 EFFECT = Effect(

@@ -1,12 +1,14 @@
 """Clearance between motor and load: a dead zone that opens when the transmitted force changes sign."""
 
+import numpy as np
+
 from ..machine import Machine, Plant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
 from .two_inertia import CONTACT, FAMILY, motor_share_parameter, split
 
 
 def forms(machine: Machine, scales: Scales) -> list[Form]:
-    """The same clearance at every shaft; contact is stiff and dissipates."""
+    """The same clearance at every shaft or at one of them; contact is stiff and dissipates."""
     unit = 5e-4 * scales.travel
     gap = parameter(
         "gap",
@@ -20,28 +22,33 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
     damping = parameter("contact_damping_ratio", "-", 0.5, lower=0.02, upper=3.0, starts=(1.0,))
     stiffness = CONTACT * scales.effort_peak / scales.travel
 
-    def apply(plant: Plant, values: Values) -> None:
-        split(
-            plant,
-            machine,
-            share=values["motor_share"],
-            stiffness=stiffness,
-            damping_ratio=values["contact_damping_ratio"],
-            gap=values["gap"],
-            dt=scales.dt,
-        )
+    def form(name: str, loose: tuple[str, ...]) -> Form:
+        here = np.array([float(s in loose) for s in machine.shafts])
 
-    return [
-        Form(
+        def apply(plant: Plant, values: Values) -> None:
+            split(
+                plant,
+                machine,
+                share=values["motor_share"],
+                stiffness=stiffness,
+                damping_ratio=values["contact_damping_ratio"],
+                gap=values["gap"] * here,
+                dt=scales.dt,
+            )
+
+        return Form(
             effect=EFFECT.id,
-            name="dead zone, stiff contact",
+            name=name,
             parameters=(gap, share, damping),
             apply=apply,
-            where=everywhere("joints", machine.shafts),
+            where=everywhere("joints", loose),
             step=0.02,
             family=FAMILY,
+            own_start=True,
         )
-    ]
+
+    name, single = "dead zone, stiff contact", machine.shafts if len(machine.shafts) > 1 else ()
+    return [form(name, machine.shafts), *(form(f"{name}, {s} only", (s,)) for s in single)]
 
 
 EFFECT = Effect(

@@ -10,9 +10,10 @@ from ....models.drive import (
     GAP,
     LIMIT,
     RIPPLE_WAVENUMBER,
+    STAGES,
     TO_SHAFT,
 )
-from ..machine import Machine, Parameter, Plant
+from ..machine import Array, Machine, Parameter, Plant
 from .base import parameter
 
 FAMILY = "two inertias"
@@ -32,11 +33,12 @@ def split(
     share: float,
     stiffness: float,
     damping_ratio: float,
-    gap: float,
+    gap: float | Array,
     dt: float,
 ) -> None:
     """Put ``share`` of the smallest inertia on the motors' side of a coupling at every shaft.
 
+    ``gap`` is one clearance for all or one for each.
     All friction stays with the motors, whose bearings and screw nuts make most of it.
     """
     n = len(machine.shafts)
@@ -49,6 +51,7 @@ def split(
     shaft = np.vstack([d.shaft, np.zeros_like(d.shaft)])
     shaft[n:, RIPPLE_WAVENUMBER] = shaft[n:, GAIN] = 1.0
     shaft[n:, LIMIT] = np.inf
+    shaft[n:, STAGES] = 1.0
     fastest = np.sqrt(stiffness * (1.0 / motor + 1.0 / float(np.linalg.eigvalsh(load)[0])))
     coupling = np.zeros((n, 5))
     coupling[:, FROM_SHAFT] = np.arange(n)
