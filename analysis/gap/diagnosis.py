@@ -22,7 +22,7 @@ from .attribution import Ranked, attribute
 from .clock import ReplayCheck, check_replay
 from .effects import Scales, forms_for
 from .fitting import Predictor, fit
-from .floor import noise_floor
+from .floor import noise_floor, out_of_step
 from .hypothesis import Fit, Hypothesis
 from .inverse_model import Structure, inverse_model
 from .location import locate
@@ -31,7 +31,7 @@ from .machine import Array, Machine, RunData
 from .machines import read_machine, stated_encoder_step
 from .shrinkage import Shrinkage, closed_loop, shrinkage
 from .signals import SignalFinding, examine
-from .verdict import Verdict, confirmed, decide, with_findings
+from .verdict import Verdict, confirmed, decide, in_step, with_findings
 
 HELD_BACK = 0.3  # share of a lone run's end that is kept for validation
 SIGNAL_PROBABILITY = 0.99  # of a signal finding, which passes its own strict test or is not made
@@ -50,6 +50,7 @@ class Diagnosis:
     replays: tuple[ReplayCheck, ...]
     findings: tuple[SignalFinding, ...]  # what is wrong with the signals
     floor: float  # on the fit runs [position unit]
+    out_of_step: float | None  # what does not repeat over the encoder's noise
     nominal: Fit
     retuned: Fit
     chosen: Fit  # the accepted hypothesis, or the retuned nominal
@@ -75,6 +76,7 @@ class Diagnosis:
             "ranking": [self._ranked(r) for r in self.ranking],
             "location": self.location,
             "shrinkage": _shrinkage_json(self.shrinkage, self.closed_loop),
+            "out_of_step": self.out_of_step,
             "warnings": list(self.warnings),
             "next_experiment": self.next_experiment,
             "inverse_model": [
@@ -166,7 +168,8 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
         ranking[0].fit.hypothesis, [ranking[0].fit.values], ranking[0].fit.keys
     )[0]
     floor = _floor(fit_runs, best, machine)
-    verdict = with_findings(decide(ranking, retuned_rank, floor), findings)
+    aside = out_of_step(fit_runs, best, machine.bandwidth)
+    verdict = with_findings(in_step(decide(ranking, retuned_rank, floor), aside), findings)
     chosen = verdict.accepted.fit if verdict.accepted else retuned
     tell("verifying on held-out runs")
     as_logged = [run for run in logged if run.use == "validate"]
@@ -185,6 +188,7 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
         replays=tuple(replays),
         findings=tuple(findings),
         floor=floor,
+        out_of_step=aside,
         nominal=nominal,
         retuned=retuned,
         chosen=chosen,

@@ -11,6 +11,7 @@ NEGLIGIBLE = (
     1.15  # a retuned residual below this multiple of the floor is no gap, whatever improves it
 )
 GAP_RATIO = 1.25  # nor is one below this multiple that no effect improves
+OUT_OF_STEP = 1.25  # what does not repeat may exceed the encoder's noise by this ratio
 LEAST_REMOVED = 0.75  # an explanation removes this share of what lies between retuned and floor
 NEAR_FLOOR = 1.3  # an explanation comes this near the floor on held-out runs, as a ratio,
 MOST_LEFT = 0.05  # or leaves no more than this share of what lies between retuned and floor
@@ -110,6 +111,26 @@ def with_findings(verdict: Verdict, findings: Sequence[SignalFinding]) -> Verdic
     joined = "explained" if verdict.verdict == "no_gap" else verdict.verdict
     rest = "Beyond that, no gap." if verdict.verdict == "no_gap" else verdict.reason
     return replace(verdict, verdict=joined, reason=f"{signals}. {rest}")
+
+
+def in_step(verdict: Verdict, out_of_step: float | None) -> Verdict:
+    """The verdict, or ``unexplained`` where a disturbance out of step with the motion has raised the floor.
+
+    ``out_of_step`` is that of ``floor.py``. Impacts of a clearance do not repeat either.
+    """
+    rough = verdict.accepted is not None and verdict.accepted.fit.hypothesis.rough
+    if out_of_step is None or out_of_step <= OUT_OF_STEP or rough:
+        return verdict
+    if verdict.verdict not in ("no_gap", "explained"):
+        return verdict
+    return replace(
+        verdict,
+        verdict="unexplained",
+        reason=f"What does not repeat from cycle to cycle is {out_of_step:.1f} x the encoder's noise: "
+        f"a disturbance out of step with the motion, which no effect of the catalogue makes. "
+        f"{verdict.reason}",
+        accepted=None,
+    )
 
 
 def confirmed(verdict: Verdict, held_out: Shrinkage) -> Verdict:
