@@ -19,18 +19,18 @@ from threadpoolctl import threadpool_limits
 
 from ..files import output_folder, write_whole
 from .attribution import Ranked, attribute
-from .clock import ReplayCheck, check_replay
-from .effects import Scales, forms_for
+from .clock import ReplayCheck
+from .closed_loop import closed_loop
 from .fitting import Predictor, fit
-from .floor import noise_floor, out_of_step
+from .floor import NO_CYCLES
 from .hypothesis import Fit, Hypothesis
-from .inverse_model import Structure, inverse_model
+from .inverse_model import Structure
 from .location import locate
 from .logset import FILE, LogSet, load_logset
-from .machine import Array, Machine, RunData
+from .machine import Array, Machine, RunData, rms
 from .machines import read_machine, stated_encoder_step
-from .shrinkage import Shrinkage, closed_loop, shrinkage
-from .signals import SignalFinding, examine
+from .shrinkage import Shrinkage, shrinkage
+from .signals import SignalFinding
 from .verdict import Verdict, confirmed, decide, in_step, with_findings
 
 HELD_BACK = 0.3  # share of a lone run's end that is kept for validation
@@ -151,8 +151,8 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     tell("checking signals and clocks")
     machine, logged = read_machine(log)
     logged = _with_validation(logged)
-    runs, findings = examine(machine, logged, stated_encoder_step(log))
-    replays = [check_replay(run) for run in runs]
+    runs, findings = machine.examine(logged, stated_encoder_step(log))
+    replays = machine.replays(runs)
     fit_runs = [run for run in runs if run.use == "fit"]
     held_back = [run for run in runs if run.use == "validate"]
     predictor = Predictor(machine, fit_runs)
@@ -161,14 +161,13 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     retuned = fit(predictor, Hypothesis())
     residuals = predictor.residuals(retuned.hypothesis, [retuned.values], retuned.keys)[0]
     floor = _floor(fit_runs, residuals, machine)
-    forms = forms_for(machine, _scales(fit_runs))
-    ranking = attribute(predictor, retuned, forms, floor, seed, tell)
+    ranking = attribute(predictor, retuned, machine.forms(fit_runs), floor, seed, tell)
     retuned_rank = next(r for r in ranking if not r.fit.hypothesis.forms)
     best = predictor.residuals(
         ranking[0].fit.hypothesis, [ranking[0].fit.values], ranking[0].fit.keys
     )[0]
     floor = _floor(fit_runs, best, machine)
-    aside = out_of_step(fit_runs, best, machine.bandwidth)
+    aside = machine.out_of_step(fit_runs, best)
     verdict = with_findings(in_step(decide(ranking, retuned_rank, floor), aside), findings)
     chosen = verdict.accepted.fit if verdict.accepted else retuned
     tell("verifying on held-out runs")
@@ -198,7 +197,7 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
         location=locate(fit_runs, residuals, machine, seed),
         shrinkage=shrunk,
         closed_loop=loops,
-        inverse_model=tuple(inverse_model(machine, runs)),
+        inverse_model=tuple(machine.inverse_model(runs)),
         warnings=tuple(_warnings(log, replays, ranking, shrunk)),
         next_experiment=_next_experiment(predictor, ranking, verdict),
         provenance=_provenance(log, seed, predictor.simulations, time.perf_counter() - started),
@@ -235,25 +234,8 @@ def _frozen(machine: Machine) -> Machine:
 
 
 def _floor(runs: Sequence[RunData], residuals: Sequence[Array], machine: Machine) -> float:
-    floors, _ = noise_floor(runs, residuals, machine.bandwidth)
-    return float(np.sqrt(np.mean(np.concatenate([f.ravel() for f in floors]) ** 2)))
-
-
-def _scales(runs: Sequence[RunData]) -> Scales:
-    command = np.concatenate([run.command[run.window] for run in runs])
-    rate = np.concatenate([run.reference_rate[run.window] for run in runs])
-    position = np.concatenate([run.position[run.window] for run in runs])
-    travel = float(np.ptp(position))
-    return Scales(
-        effort=float(np.sqrt(np.mean(command**2))),
-        effort_peak=float(np.max(np.abs(command))),
-        rate=float(np.sqrt(np.mean(rate**2))),
-        rate_peak=float(np.max(np.abs(rate))),
-        travel=travel,
-        dt=runs[0].dt,
-        duration=max(run.start for run in runs) - min(run.start for run in runs),
-        lsb=runs[0].lsb or 1e-6 * travel,
-    )
+    floors, _ = machine.floor(runs, residuals)
+    return rms(floors)
 
 
 def _validation_errors(
@@ -284,9 +266,9 @@ def _warnings(
             f"No run is marked validate: the last {100 * HELD_BACK:.0f} % of every run were held "
             "back and used for shrinkage only."
         )
-    if "encoder resolution; the runs" in shrunk.floor_source:
+    if NO_CYCLES in shrunk.floor_source:
         warnings.append(
-            "The floor is the encoder's resolution, a lower bound: no motion is repeated, so the "
+            f"The floor is a lower bound ({shrunk.floor_source}): the "
             "machine's own repeatability is unknown."
         )
     for ranked in ranking:
@@ -321,7 +303,7 @@ def _next_experiment(
         "repeat": {"run": run.name, **{k: v for k, v in run.settings.items() if k != "note"}},
         "separates": [list(first.hypothesis.ids), list(second.hypothesis.ids)],
         "prediction_difference": max(difference),
-        "unit": predictor.machine.position_unit,
+        "unit": predictor.machine.residual_unit,
         "design": "`gapscope design LOGSET` finds the motion that separates the two best",
     }
 

@@ -1,7 +1,7 @@
 """Fit hypotheses to runs by prediction error, and judge them on runs they were not fitted to.
 
-The residual is that of ``drive_kernels.predict``: the model is driven by the logged command and says
-where the encoder will be one sample later. It needs no model of the controller, keeps the whole
+The residual is that of the machine's ``predict``: the model is driven by the logged command and says
+what will be measured one sample later. It needs no model of the controller, keeps the whole
 frequency content of the log and is white where the model is right (Ljung 1999, ch. 7).
 """
 
@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares, lsq_linear, minimize
 
-from ...models import drive_kernels
 from .hypothesis import Fit, Hypothesis
-from .machine import Array, FinishedPlant, Machine, RunData
+from .machine import Array, Machine, RunData
 
-DIVERGED = 1e6  # residual, in encoder ranges, given to a prediction that is not finite
+DIVERGED = (
+    1e6  # residual, in multiples of the signal's spread, given to a prediction that is not finite
+)
 STEP = 1e-4  # finite-difference step, in parameter scales
 SCREEN = 0.004  # a form whose linearised loss falls by less than this share is not pursued
 MOST_STEPS = 20  # of a least-squares search
@@ -34,6 +35,7 @@ class Predictor:
         self.machine = machine
         self.runs = list(runs)
         self.simulations = 0
+        self._spread = machine.spread(self.runs)
         self._pool = ThreadPoolExecutor(max_workers=cpu_count() or 1)
 
     def residuals(
@@ -54,23 +56,12 @@ class Predictor:
             )
         return [[task.result() for task in row] for row in tasks]
 
-    def _predict(self, run: RunData, plant: FinishedPlant) -> Array:
-        scale = 1.0 if plant.sensor_scale is None else plant.sensor_scale
-        residual = np.empty_like(run.position)
-        drive_kernels.predict(
-            run.position / scale,
-            run.command,
-            plant.drive,
-            run.dt,
-            plant.substeps,
-            self.machine.bandwidth,
-            residual,
-        )
-        residual *= scale
+    def _predict(self, run: RunData, plant: Any) -> Array:
+        residual = self.machine.predict(run, plant)
         self.simulations += 1
         if not np.all(np.isfinite(residual)):
-            residual[:] = DIVERGED * np.ptp(run.position)
-        return residual[run.window]
+            residual = np.full_like(residual, DIVERGED * self._spread)
+        return residual
 
 
 def _times(runs: Sequence[RunData]) -> set[float]:
@@ -175,7 +166,7 @@ def fit(
         rms=float(np.sqrt(np.mean(residual**2))),
         held_out_rms=float(np.sqrt(losses.sum() / samples.sum())),
         importance=importance,
-        converged=bool(np.mean(residual**2) < np.mean(_positions(predictor) ** 2)),
+        converged=bool(np.mean(residual**2) < predictor.machine.spread(predictor.runs) ** 2),
         residual=residual,
         jacobian=jac,
     )
@@ -261,10 +252,6 @@ def _linear_step(jac: Array, residual: Array, x: Array, bounds: tuple[Array, Arr
         return np.zeros(x.size)
     solution = lsq_linear(root, right, bounds=(bounds[0] - x, bounds[1] - x))
     return np.clip(x + solution.x, *bounds) - x
-
-
-def _positions(predictor: Predictor) -> Array:
-    return np.concatenate([(r.position - r.position.mean(axis=0)).ravel() for r in predictor.runs])
 
 
 def block_losses(residuals: Sequence[Array]) -> tuple[Array, Array]:

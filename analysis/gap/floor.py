@@ -7,13 +7,19 @@ alone is the floor of runs without repeated cycles, although a machine's own noi
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.signal import lfilter, welch
 
-from .machine import Array, RunData
+if TYPE_CHECKING:
+    from .machine import RunData
+
+Array = NDArray[np.float64]
 
 NOISE_BAND = 0.4  # share of the Nyquist frequency above which only the encoder's noise is expected
+NO_CYCLES = "the runs hold no repeated cycles"
 SEGMENT = 256  # samples of a Welch segment
 
 
@@ -44,7 +50,7 @@ def quantisation_floor(lsb: float, bandwidth: float, dt: float) -> float:
 
 
 def out_of_step(
-    runs: Sequence[RunData], residuals: Sequence[Array], bandwidth: float
+    runs: "Sequence[RunData]", residuals: Sequence[Array], bandwidth: float
 ) -> float | None:
     """How many times what does not repeat exceeds the encoder's noise; None without repeated cycles.
 
@@ -75,8 +81,21 @@ def _noise_filter(frequency: Array, bandwidth: float, dt: float) -> Array:
     return np.asarray(((z - 1.0) / (z - np.exp(-bandwidth * dt))) ** 2)
 
 
+def repeatability_floor(
+    runs: "Sequence[RunData]", residuals: Sequence[Array]
+) -> tuple[list[Array], str]:
+    """Floor samples (k, n) of every run from repeated cycles alone, zero where there are none."""
+    floors = []
+    for run, residual in zip(runs, residuals):
+        repeated = repeatability(residual, run.period) if run.period else None
+        floors.append(np.zeros((1, residual.shape[1])) if repeated is None else repeated)
+    if any(run.period for run in runs):
+        return floors, "cycle-to-cycle repeatability"
+    return floors, NO_CYCLES
+
+
 def noise_floor(
-    runs: Sequence[RunData], residuals: Sequence[Array], bandwidth: float
+    runs: "Sequence[RunData]", residuals: Sequence[Array], bandwidth: float
 ) -> tuple[list[Array], str]:
     """Floor samples (k, n) of every run and how they were found.
 
@@ -87,7 +106,7 @@ def noise_floor(
         encoder = quantisation_floor(run.lsb, bandwidth, run.dt)
         repeated = repeatability(residual, run.period) if run.period else None
         if repeated is None:
-            found.add("encoder resolution; the runs hold no repeated cycles")
+            found.add(f"encoder resolution; {NO_CYCLES}")
             floors.append(encoder * _uncorrelated_signs(residual))
         elif np.sqrt(np.mean(repeated**2)) < encoder:
             found.add("encoder resolution, which exceeds the cycle-to-cycle repeatability")

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .effects import Form
-from .machine import Array, FinishedPlant, Machine, Parameter
+from .machine import Array, Machine, Parameter
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +65,7 @@ class Hypothesis:
 
     def plant(
         self, machine: Machine, values: Mapping[tuple[str, str], float], time: float = 0.0
-    ) -> FinishedPlant:
+    ) -> Any:
         """The plant at the values, by (effect id or "", parameter name).
 
         ``time`` is how long the machine has been running [s].

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from scipy.signal import butter, decimate, filtfilt
 
-from .machine import Array, Machine, RunData
+from .drive_machine import DriveMachine
+from .machine import Array, RunData
 
 CUTOFF_HZ = 300.0  # of the differentiated position; the decimation filter does the smoothing
 DECIMATION = 20  # of efforts and regressors alike: noise beyond it is no part of the model
@@ -31,13 +32,13 @@ class Structure:
 
 
 def inverse_model(
-    machine: Machine, runs: Sequence[RunData], cutoff: float = CUTOFF_HZ
+    machine: DriveMachine, runs: Sequence[RunData], cutoff: float = CUTOFF_HZ
 ) -> list[Structure]:
     """Relative effort errors of growing structures, fitted to all the runs."""
     blocks: dict[str, list[tuple[str, Array]]] = {name: [] for name in STRUCTURES}
     effort = np.concatenate([_decimated(run.command[run.window]) for run in runs])
     motion = [_motion(run, cutoff) for run in runs]
-    n = len(machine.shafts)
+    n = len(machine.joints)
 
     def add(kind: str, name: str, column: Any) -> None:
         blocks[kind].append(
@@ -54,7 +55,7 @@ def inverse_model(
         add("viscous", name, lambda q, v, a, e=e: np.outer(v @ e, e))
         add("coulomb", name, lambda q, v, a, e=e: np.outer(np.sign(v @ e), e))
         add("by direction", name, lambda q, v, a, e=e: np.outer(np.abs(v @ e), e))
-    for j, name in enumerate(machine.shafts):
+    for j, name in enumerate(machine.joints):
         unit = np.eye(n)[j]
         add("offset", name, lambda q, v, a, unit=unit: np.tile(unit, (len(q), 1)))
     return _grow(blocks, effort)

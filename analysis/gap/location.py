@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from ...models.drive_kernels import correction_gains
 from .machine import Array, Machine, RunData
 
 BANDS_HZ = (0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, np.inf)
@@ -28,28 +27,16 @@ RESAMPLES = 400
 BLOCKS = 20  # per run
 
 
-def unexplained_effort(residual: Array, machine: Machine, dt: float) -> Array:
-    """Effort (samples, n) that would cause a prediction error (samples, n).
-
-    In steady state a constant effort d moves the prediction by M^-1 d dt / beta, with beta the speed
-    gain of the prediction's correction.
-    """
-    _, beta = correction_gains(machine.bandwidth, dt)
-    inertia = machine.build(machine.nominal()).inertia
-    return np.asarray(residual @ inertia.T * (beta / dt))
-
-
 def locate(
     runs: Sequence[RunData], residuals: Sequence[Array], machine: Machine, seed: int
 ) -> dict[str, list[dict[str, Any]]]:
     """Shares of the gap as in FORMAT.md, each list summing to 1."""
-    efforts = [unexplained_effort(r, machine, run.dt) for run, r in zip(runs, residuals)]
+    efforts = [machine.unexplained(r, run) for run, r in zip(runs, residuals)]
     rng = np.random.default_rng(seed)
-    joints = _shares(machine.shafts, [e**2 for e in efforts], rng)
-    # Task coordinates weigh like the joints they are made of: their rows are normalised.
-    rows = machine.task_map / np.linalg.norm(machine.task_map, axis=1, keepdims=True)
-    task = _shares(machine.task, [(e @ rows.T) ** 2 for e in efforts], rng)
-    signals = _shares([f"{s} position" for s in machine.shafts], [r**2 for r in residuals], rng)
+    joints = _shares(machine.joints, [e**2 for e in efforts], rng)
+    names, rows = machine.task_rows
+    task = _shares(names, [(e @ rows.T) ** 2 for e in efforts], rng)
+    signals = _shares([f"{s} position" for s in machine.joints], [r**2 for r in residuals], rng)
     by_regime = _by_regime(runs, efforts)
     by_band = _by_band(runs, efforts)
     return {
@@ -60,9 +47,9 @@ def locate(
         "bands": [{**band, "share": share} for band, share in zip(BANDS, by_band.sum(axis=0))],
         "runs": _of_runs(runs, efforts),
         "joint_regimes": _table(
-            "regime", machine.shafts, REGIMES, np.sum([e.sum(axis=0) for e in by_regime], axis=0)
+            "regime", machine.joints, REGIMES, np.sum([e.sum(axis=0) for e in by_regime], axis=0)
         ),
-        "joint_bands": _table("band", machine.shafts, [b["name"] for b in BANDS], by_band),
+        "joint_bands": _table("band", machine.joints, [b["name"] for b in BANDS], by_band),
     }
 
 

@@ -1,14 +1,20 @@
-"""What the instrument needs to know of a machine: its nominal drive, own parameters and signals."""
+"""What the instrument needs to know of a machine: own parameters, signals, and how it is predicted."""
 
-from collections.abc import Callable, Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.drive import Drive
-from ...models.drive_kernels import LoopController
+from .floor import repeatability_floor
+
+if TYPE_CHECKING:
+    from .clock import ReplayCheck
+    from .effects import Form
+    from .inverse_model import Structure
+    from .signals import SignalFinding
 
 Array = NDArray[np.float64]
 
@@ -25,45 +31,9 @@ class Parameter:
     starts: tuple[float, ...]
 
 
-@dataclass
-class Plant:
-    """The drive that effects act on; its inverse inertia is taken after all of them have acted."""
-
-    inertia: Array  # (shafts, shafts)
-    drive: Drive
-    substeps: int = 1
-    time: float = 0.0  # how long the machine has been running [s]
-    sensor_scale: Array | None = None  # (n,) reading per true position, None for exact encoders
-
-    def finished(self) -> "FinishedPlant":
-        """The plant as the kernels need it."""
-        inverse = np.ascontiguousarray(np.linalg.inv(self.inertia))
-        drive = self.drive._replace(inertia_inverse=inverse)
-        return FinishedPlant(drive, self.substeps, self.sensor_scale)
-
-
-class FinishedPlant(NamedTuple):
-    """A plant whose effects have all acted."""
-
-    drive: Drive
-    substeps: int  # integration steps per sample
-    sensor_scale: Array | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class PayloadAxis:
-    """One way a wrong or added mass shows: the inertia matrix of one unit of it."""
-
-    name: str  # parameter name, such as collar_mass
-    unit: str
-    inertia: Array  # (n, n) per unit
-    own: str  # the machine's own parameter it stands in for
-    scale: float
-
-
 @dataclass(frozen=True, kw_only=True)
 class RunData:
-    """One run as the kernels need it; arrays are (samples, n)."""
+    """One run; arrays are (samples, n). A machine that needs more signals subclasses it."""
 
     name: str
     use: str
@@ -75,7 +45,7 @@ class RunData:
     reference_acceleration: Array
     position: Array
     command: Array
-    controller: LoopController
+    controller: Any  # as the machine's closed loop needs it, None where no law is stated
     period: int | None  # samples of one repeated cycle, if the motion repeats
     lsb: float  # encoder step found in the data, 0 if it cannot be seen
     start: float = 0.0  # how long the machine had been running when the run began [s]
@@ -85,42 +55,86 @@ class RunData:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Machine:
-    """Nominal model of a machine whose drive the kernels can run.
+class Machine(ABC):
+    """Nominal model of a machine, and how it is predicted.
 
-    ``build`` maps the own parameters' values, by name, to a fresh plant.
+    One subclass a way of predicting; the pipeline asks for nothing beyond what stands here. A residual
+    is white measurement noise where the model is right; a prediction that diverges holds NaN or inf.
     """
 
     kind: str
-    shafts: tuple[str, ...]
-    elements: tuple[str, ...]  # friction elements; the first n are the shafts' own bearings
-    task: tuple[str, ...]  # task coordinates
-    task_map: Array  # (len(task), n), per shaft position
+    joints: tuple[str, ...]  # names of the residual's columns
     position_unit: str
     effort_unit: str
     own: tuple[Parameter, ...]  # nominal values are their first starts, bounds their tolerance
-    payload: tuple[PayloadAxis, ...]
-    viscous_own: tuple[str, ...]  # own parameters that are viscous friction
-    ripples: Mapping[str, float]  # spatial frequencies [1/position unit] by the name of a period
-    motor_share: float  # share of the smallest inertia that sits on the motor's side
-    bandwidth: float  # of the prediction's correction [rad/s]
-    build: Callable[[Mapping[str, float]], Plant]
+
+    @abstractmethod
+    def build(self, values: Mapping[str, float]) -> Any:
+        """A fresh plant at the own parameters' values; forms change it, ``finished`` ends that.
+
+        It has an attribute ``time``, how long the machine has been running [s].
+        """
+
+    @abstractmethod
+    def predict(self, run: RunData, plant: Any) -> Array:
+        """Residual (samples, n) of a finished plant over the window of the run [residual unit]."""
+
+    @abstractmethod
+    def forms(self, runs: Sequence[RunData]) -> "list[Form]":
+        """Every form of every effect that can act on this machine, scaled to the runs."""
+
+    @property
+    def residual_unit(self) -> str:
+        """Unit of what ``predict`` returns."""
+        return self.position_unit
+
+    @property
+    def metric(self) -> str:
+        """What ``unexplained`` measures, in words."""
+        return f"rms unexplained {self.effort_unit} on held-out runs"
+
+    @property
+    def task_rows(self) -> tuple[tuple[str, ...], Array]:
+        """Names of the task coordinates and their rows (task, n) over the joints."""
+        return self.joints, np.eye(len(self.joints))
 
     def nominal(self) -> dict[str, float]:
         """Nominal values of the own parameters."""
         return {p.name: p.starts[0] for p in self.own}
 
-    def unit(self, quantity: str) -> str:
-        """Unit of a quantity: effort, rate, viscous, inertia or stiffness."""
-        angle, effort = self.position_unit, self.effort_unit
-        units = {
-            "position": angle,
-            "effort": effort,
-            "rate": f"{angle}/s",
-            "viscous": f"{effort} s/{angle}",
-            "stiffness": f"{effort}/{angle}",
-        }
-        return units[quantity]
+    def spread(self, runs: Sequence[RunData]) -> float:
+        """Rms of the signal that is predicted [residual unit]: a residual above it explains nothing."""
+        return rms([(run.position - run.position.mean(axis=0))[run.window] for run in runs])
+
+    def unexplained(self, residual: Array, run: RunData) -> Array:
+        """What would cause a residual (k, n), a linear map of its rows: efforts where they are known."""
+        return residual
+
+    def floor(self, runs: Sequence[RunData], residuals: Sequence[Array]) -> tuple[list[Array], str]:
+        """Floor samples (k, n) of every run [residual unit] and how they were found."""
+        return repeatability_floor(runs, residuals)
+
+    def out_of_step(self, runs: Sequence[RunData], residuals: Sequence[Array]) -> float | None:
+        """How many times what does not repeat exceeds measurement noise; None where unknown."""
+        return None
+
+    def examine(
+        self, runs: Sequence[RunData], stated_step: float | None
+    ) -> "tuple[list[RunData], list[SignalFinding]]":
+        """The runs with wrong signals corrected, and what was found; ``stated_step`` of the encoder."""
+        return list(runs), []
+
+    def replays(self, runs: Sequence[RunData]) -> "list[ReplayCheck]":
+        """How well the stated controller reproduces the logged command, where one is stated."""
+        return []
+
+    def simulate(self, run: RunData, plant: Any) -> tuple[Array, Array] | None:
+        """Position and command (samples, n) of the whole loop; None where no law is stated."""
+        return None
+
+    def inverse_model(self, runs: Sequence[RunData]) -> "list[Structure]":
+        """Relative effort errors of growing structures; empty where there is no such regression."""
+        return []
 
 
 def own_parameter(name: str, unit: str, value: float, tolerance: float) -> Parameter:
@@ -148,3 +162,8 @@ def encoder_step(position: Array) -> float:
     ratio = gaps[gaps < 20.0 * step] / step
     regular = np.abs(ratio - np.round(ratio)) < 0.05
     return float(np.median(gaps[gaps < 1.5 * step])) if np.mean(regular) > 0.9 else 0.0
+
+
+def rms(values: Sequence[Array]) -> float:
+    """Root mean square of all values of some arrays."""
+    return float(np.sqrt(np.mean(np.concatenate([v.ravel() for v in values]) ** 2)))

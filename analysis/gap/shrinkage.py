@@ -2,16 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from ...models import drive_kernels
 from .fitting import Predictor
-from .floor import noise_floor
 from .hypothesis import Fit, Hypothesis
-from .location import unexplained_effort
-from .machine import Array, FinishedPlant, Machine, RunData
+from .machine import Array, Machine, RunData, rms
 
 BLOCKS = 20  # per run
 RESAMPLES = 1000
@@ -54,17 +50,17 @@ def shrinkage(
     predictor = Predictor(machine, runs)
     tuned = predictor.residuals(retuned.hypothesis, [retuned.values], retuned.keys)[0]
     after = predictor.residuals(chosen.hypothesis, [chosen.values], chosen.keys)[0]
-    floors, source = noise_floor(runs, after, machine.bandwidth)
+    floors, source = machine.floor(runs, after)
     parts = [
-        _blocks([unexplained_effort(r, machine, runs[0].dt) for r in kind])
+        _blocks([machine.unexplained(r, run) for r, run in zip(kind, runs)])
         for kind in (raw, tuned, after)
     ]
-    floor = _rms_of([unexplained_effort(f, machine, runs[0].dt) for f in floors])
+    floor = rms([machine.unexplained(f, run) for f, run in zip(floors, runs)])
     before, retuned_rms, after_rms = (_rms(energy, count) for energy, count in parts)
     percent, interval = _percent(parts[0], parts[2], floor, seed)
     command = np.concatenate([run.command[run.window].ravel() for run in runs])
     return Shrinkage(
-        metric=f"rms unexplained {machine.effort_unit} on held-out runs",
+        metric=machine.metric,
         before=before,
         retuned=retuned_rms,
         after=after_rms,
@@ -100,58 +96,3 @@ def _blocks(values: Sequence[Array]) -> tuple[Array, Array]:
 
 def _rms(energy: Array, count: Array) -> float:
     return float(np.sqrt(energy.sum() / count.sum()))
-
-
-def _rms_of(values: Sequence[Array]) -> float:
-    return float(np.sqrt(np.mean(np.concatenate([v.ravel() for v in values]) ** 2)))
-
-
-def closed_loop(machine: Machine, runs: Sequence[RunData], fits: dict[str, Fit]) -> dict[str, Any]:
-    """Whole-loop simulation beside the log: rms differences of command and position, by model.
-
-    The controller runs on the model instead of on the log. Differences are relative to the rms of the
-    measured command and in position units; None where a simulation diverges.
-    """
-    result: dict[str, Any] = {}
-    for name, fit in fits.items():
-        command_error, position_error = [], []
-        for run in runs:
-            plant = fit.hypothesis.plant(machine, fit.by_key(), run.start)
-            position, command = simulate(run, plant)
-            command_error.append((command - run.command)[run.window])
-            position_error.append((position - run.position)[run.window])
-        if not all(np.all(np.isfinite(e)) for e in command_error):
-            result[name] = None
-            continue
-        size = _rms_of([run.command[run.window] for run in runs])
-        result[name] = {
-            "relative_command_error": _rms_of(command_error) / size,
-            f"position_error_{machine.position_unit}": _rms_of(position_error),
-        }
-    return result
-
-
-def simulate(run: RunData, plant: FinishedPlant) -> tuple[Array, Array]:
-    """Position and command (samples, n) of the closed loop on the run's reference.
-
-    The loop closes over an exact encoder: a plant with a sensor scale gives NaN.
-    """
-    position = np.empty_like(run.position)
-    position[0] = run.position[0]
-    command, delivered = np.empty_like(position), np.empty_like(position)
-    if plant.sensor_scale is not None:
-        return np.full_like(position, np.nan), np.full_like(position, np.nan)
-    drive_kernels.simulate(
-        run.reference,
-        run.reference_acceleration,
-        plant.drive,
-        run.controller,
-        run.dt,
-        plant.substeps,
-        run.lsb,
-        drive_kernels.initial_memory(run.controller, run.position[0]),
-        position,
-        command,
-        delivered,
-    )
-    return position, command

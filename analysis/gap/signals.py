@@ -15,9 +15,10 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from .clock import replay
+from .drive_machine import DriveMachine
 from .fitting import Predictor, fit
 from .hypothesis import Hypothesis
-from .machine import Array, Machine, RunData
+from .machine import Array, RunData
 
 LARGEST_SHIFT = 8.0  # samples
 FAITHFUL = 0.01  # replay difference, relative to the rms command, that needs no explanation
@@ -76,7 +77,7 @@ class _Corrected(NamedTuple):
 
 
 def examine(
-    machine: Machine, runs: Sequence[RunData], stated_lsb: float | None
+    machine: DriveMachine, runs: Sequence[RunData], stated_lsb: float | None
 ) -> tuple[list[RunData], list[SignalFinding]]:
     """Corrected runs and what was found; only fit runs decide, all runs are corrected.
 
@@ -120,8 +121,8 @@ def examine(
     return [candidate.correct(run, x) for run in runs], findings + home
 
 
-def _candidates(machine: Machine, dt: float, lsb: float) -> list[_Candidate]:
-    n = len(machine.shafts)
+def _candidates(machine: DriveMachine, dt: float, lsb: float) -> list[_Candidate]:
+    n = len(machine.joints)
     unit = machine.position_unit
     return [
         _Candidate(
@@ -134,12 +135,12 @@ def _candidates(machine: Machine, dt: float, lsb: float) -> list[_Candidate]:
         ),
         _Candidate(
             effect="sensor.offset", form="offset in the log",
-            names=tuple(f"offset_{s}" for s in machine.shafts), units=(unit,) * n,
+            names=tuple(f"offset_{s}" for s in machine.joints), units=(unit,) * n,
             scale=np.full(n, 10.0 * lsb),
         ),
         _Candidate(
             effect="sensor.scale", form="scale in the log",
-            names=tuple(f"scale_error_{s}" for s in machine.shafts), units=("-",) * n,
+            names=tuple(f"scale_error_{s}" for s in machine.joints), units=("-",) * n,
             scale=np.full(n, 1e-3),
         ),
     ]  # fmt: skip
@@ -162,7 +163,7 @@ def _fit(candidate: _Candidate, runs: Sequence[RunData]) -> tuple[Array, float]:
     return solution.x, float(np.sqrt(np.mean(residual(solution.x) ** 2)))
 
 
-def _predicted(machine: Machine, runs: Sequence[RunData], corrected: _Corrected) -> float:
+def _predicted(machine: DriveMachine, runs: Sequence[RunData], corrected: _Corrected) -> float:
     """Prediction error of the retuned nominal model on the corrected runs [position unit]."""
     seen = [corrected.candidate.correct(run, corrected.x) for run in runs]
     return fit(Predictor(machine, seen), Hypothesis()).rms
@@ -183,15 +184,15 @@ def _advanced(signal: Array, shift: float, dt: float) -> Array:
     return np.ascontiguousarray(np.column_stack(moved))
 
 
-def _places(candidate: _Candidate, x: Array, machine: Machine) -> list[str]:
+def _places(candidate: _Candidate, x: Array, machine: DriveMachine) -> list[str]:
     if candidate.effect == "sensor.timing":
-        return list(machine.shafts)
+        return list(machine.joints)
     largest = float(np.max(np.abs(x)))
-    return [s for s, v in zip(machine.shafts, x) if abs(v) > 0.2 * largest]
+    return [s for s, v in zip(machine.joints, x) if abs(v) > 0.2 * largest]
 
 
 def _resolution(
-    runs: Sequence[RunData], stated_lsb: float | None, machine: Machine
+    runs: Sequence[RunData], stated_lsb: float | None, machine: DriveMachine
 ) -> list[SignalFinding]:
     """A coarser encoder than the log set states."""
     found = float(np.median([run.lsb for run in runs]))
@@ -201,7 +202,7 @@ def _resolution(
         SignalFinding(
             effect="sensor.quantisation",
             form="encoder step",
-            where={"joints": list(machine.shafts)},
+            where={"joints": list(machine.joints)},
             parameters={"step": {"value": found, "unit": machine.position_unit}},
             evidence=f"all readings are multiples of {found:.3g} {machine.position_unit}, "
             f"{stated_lsb:.3g} is stated",
@@ -211,7 +212,7 @@ def _resolution(
     ]
 
 
-def _home_offset(machine: Machine, runs: Sequence[RunData]) -> list[SignalFinding]:
+def _home_offset(machine: DriveMachine, runs: Sequence[RunData]) -> list[SignalFinding]:
     """A first reading that is away from the reference by the same amount in every run."""
     first = np.array([run.position[0] - run.reference[0] for run in runs])
     mean, spread = first.mean(axis=0), np.ptp(first, axis=0)
@@ -224,10 +225,10 @@ def _home_offset(machine: Machine, runs: Sequence[RunData]) -> list[SignalFindin
         SignalFinding(
             effect="sensor.offset",
             form="home offset",
-            where={"joints": [s for s, a in zip(machine.shafts, away) if a]},
+            where={"joints": [s for s, a in zip(machine.joints, away) if a]},
             parameters={
                 f"offset_{s}": {"value": float(m), "unit": machine.position_unit}
-                for s, m, a in zip(machine.shafts, mean, away)
+                for s, m, a in zip(machine.joints, mean, away)
                 if a
             },
             evidence="every run starts with the same reading away from the reference",

@@ -12,7 +12,7 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
     """Print verdict, best hypotheses, shrinkage and warnings."""
     console.print(f"[bold]{diagnosis.verdict.verdict}[/bold]: {diagnosis.verdict.reason}")
     table = Table("hypothesis", "probability", "held-out error", "gain over retuning")
-    unit = diagnosis.machine.position_unit
+    unit = diagnosis.machine.residual_unit
     for ranked in diagnosis.ranking[:ROWS]:
         low, high = ranked.gain_interval
         table.add_row(

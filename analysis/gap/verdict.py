@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from .attribution import LEAST_GAIN, Ranked
+from .floor import NO_CYCLES
 from .shrinkage import Shrinkage
 from .signals import SignalFinding
 
@@ -140,7 +141,7 @@ def confirmed(verdict: Verdict, held_out: Shrinkage) -> Verdict:
     resolution for want of repeated motions is no measure, nor is the residual of impacts, which
     the least difference in timing makes large.
     """
-    if "no repeated cycles" in held_out.floor_source:
+    if NO_CYCLES in held_out.floor_source:
         return verdict
     before, after = held_out.retuned / held_out.floor, held_out.after / held_out.floor
     if verdict.accepted is None:

@@ -19,7 +19,7 @@ from ....models.fourier_motion import FourierMotion
 from ..fitting import Predictor, effective_samples
 from ..hypothesis import Fit
 from ..machine import Array, RunData
-from ..shrinkage import simulate
+from .limits import drive_of
 
 STEP = 1e-4  # of finite differences, in parameter scales
 NOT_FINITE = 1e3  # rms prediction error, over the noise, above which a linear refit means nothing
@@ -40,6 +40,7 @@ class Side:
 
     def __init__(self, predictor: Predictor, fit: Fit, noise: float) -> None:
         self._predictor, self.fit, self._noise = predictor, fit, noise
+        self._machine = drive_of(predictor.machine)
         free = fit.hypothesis.free(predictor.machine)
         self._keys = tuple((effect, p.name) for effect, p in free)
         parameters = [p for _, p in free]
@@ -56,7 +57,7 @@ class Side:
     def plays(self, run: RunData) -> RunData:
         """The noise-free run this hypothesis gives on a run's reference and controller."""
         plant = self.fit.hypothesis.plant(self._predictor.machine, self.fit.by_key(), run.start)
-        position, command = simulate(replace(run, lsb=0.0), plant)
+        position, command = self._machine.simulate(replace(run, lsb=0.0), plant)
         return replace(run, position=position, command=command, window=slice(None))
 
     def answers(self, run: RunData) -> tuple[float, Array]:

@@ -26,7 +26,7 @@ from ..fitting import Predictor, fit
 from ..hypothesis import Fit
 from ..machine import Array, RunData
 from .discrepancy import Contest, Response, template
-from .limits import Limits, limits_of
+from .limits import Limits, drive_of, limits_of
 from .motions import Motions, scaled
 from .pair import Pair, top_two
 
@@ -66,7 +66,7 @@ class Design:
 
     def to_json(self) -> dict[str, Any]:
         """``design.json``."""
-        machine = self.diagnosis.machine
+        machine = drive_of(self.diagnosis.machine)
         _, rate, _ = self.motion.sample(np.linspace(0.0, self.motion.period, 1000))
         rms = [float(np.sqrt(np.mean(r.difference**2))) for r in self.responses]
         return {
@@ -152,7 +152,9 @@ def design_experiment(
         noise = max(diagnosis.floor, min(f.rms for f in fits))
         contest = Contest(predictor, fits, noise)
         start = max(run.start + len(run.t) * run.dt for run in diagnosis.runs)
-        search = _Search(contest, Motions(diagnosis.machine, bounds, period), bounds, like, start)
+        search = _Search(
+            contest, Motions(drive_of(diagnosis.machine), bounds, period), bounds, like, start
+        )
         tell("searching for a motion")
         motion = search.best(candidates, seed, tell)
         responses = contest.responses(template(motion, like, start))

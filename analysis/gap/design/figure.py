@@ -7,13 +7,14 @@ from matplotlib.figure import Figure
 
 from ...figures import BLUE, VERMILION
 from .experiment import Design
+from .limits import drive_of
 
 STYLES = ((BLUE, "-"), (VERMILION, "--"))
 
 
 def plot_design(design: Design, path: Path) -> None:
     """Task motion, speed, effort and prediction errors of the refitted rival over time, as PNG."""
-    machine, limits = design.diagnosis.machine, design.limits
+    machine, limits = drive_of(design.diagnosis.machine), design.limits
     figure = Figure(figsize=(8.0, 9.0), layout="constrained")
     axes = figure.subplots(4, 1, sharex=True)
     t = design.motion.times(design.responses[0].run.dt)
@@ -24,7 +25,7 @@ def plot_design(design: Design, path: Path) -> None:
         axes[0].plot(t, task[:, i] / span, style, color=color, label=name)
         for bound in (limits.lower[i], limits.upper[i]):
             axes[0].axhline(bound / span, color=color, linestyle=":", linewidth=0.8)
-    for j, (name, (color, style)) in enumerate(zip(machine.shafts, STYLES)):
+    for j, (name, (color, style)) in enumerate(zip(machine.joints, STYLES)):
         axes[1].plot(t, rate[:, j], style, color=color, label=name)
         command = design.responses[0].run.command[:, j]
         axes[2].plot(t, command, style, color=color, linewidth=0.8, label=name)

@@ -8,8 +8,9 @@ import numpy as np
 
 from ...errors import InputError
 from ..diagnosis import Diagnosis
+from ..drive_machine import DriveMachine
 from ..logset import FILE
-from ..machine import Array
+from ..machine import Array, Machine
 
 # Extremes of the C-drive's benchmark: Table 5-2 (travel; half a turn either way), translation at
 # 2 Hz (speed) and the largest printed torque, Table 5-5.
@@ -37,6 +38,17 @@ class Limits:
         return {**ranges, "speed": self.speed, "effort": self.effort, "source": self.source}
 
 
+def drive_of(machine: Machine) -> DriveMachine:
+    """The machine, which must be a drive: only those have motion programs to design."""
+    if not isinstance(machine, DriveMachine):
+        raise InputError(
+            "design",
+            f"no motions are designed for system.kind {machine.kind!r}",
+            "c_drive or slider",
+        )
+    return machine
+
+
 def limits_of(
     diagnosis: Diagnosis,
     *,
@@ -49,7 +61,7 @@ def limits_of(
     Defaults are the benchmark's extremes for a C-drive and otherwise what the log set has already
     asked of the machine. Raises InputError for an unknown or impossible limit.
     """
-    machine, log = diagnosis.machine, diagnosis.logset
+    machine, log = drive_of(diagnosis.machine), diagnosis.logset
     where = f"{log.folder / FILE}, system.limits"
     stated = log.system.get("limits", {})
     known = [*machine.task, "speed", "effort"]
@@ -83,7 +95,7 @@ def _default_words(kind: str) -> str:
 
 
 def _logged(diagnosis: Diagnosis) -> dict[str, Any]:
-    machine, runs = diagnosis.machine, diagnosis.runs
+    machine, runs = drive_of(diagnosis.machine), diagnosis.runs
     place = np.concatenate([(r.reference - r.reference[0]) @ machine.task_map.T for r in runs])
     values: dict[str, Any] = {
         name: (float(low), float(high))

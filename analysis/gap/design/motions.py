@@ -10,7 +10,8 @@ import numpy as np
 from scipy.linalg import block_diag, null_space
 
 from ....models.fourier_motion import FourierMotion
-from ..machine import Array, Machine
+from ..drive_machine import DriveMachine
+from ..machine import Array
 from .limits import Limits
 
 HARMONICS = 4
@@ -23,7 +24,7 @@ class Motions:
     """Maps points of the unit cube [-1, 1]^size to motions of all shafts."""
 
     def __init__(
-        self, machine: Machine, limits: Limits, period: float, harmonics: int = HARMONICS
+        self, machine: DriveMachine, limits: Limits, period: float, harmonics: int = HARMONICS
     ) -> None:
         self._machine, self._limits, self._period = machine, limits, period
         k = np.arange(1.0, harmonics + 1)

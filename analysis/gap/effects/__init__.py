@@ -7,10 +7,19 @@ import importlib
 import pkgutil
 from functools import cache
 
-from ..machine import Machine
-from .base import Effect, Form, Scales, parameter
+from ..drive_machine import DriveMachine
+from .base import Effect, Form, Scales, parameter, scales_of
 
-__all__ = ["Effect", "Form", "Scales", "catalogue", "forms_for", "parameter", "register"]
+__all__ = [
+    "Effect",
+    "Form",
+    "Scales",
+    "catalogue",
+    "forms_for",
+    "parameter",
+    "register",
+    "scales_of",
+]
 
 _registered: dict[str, Effect] = {}
 
@@ -29,7 +38,7 @@ def catalogue() -> dict[str, Effect]:
     return {**_built_in(), **_registered}
 
 
-def forms_for(machine: Machine, scales: Scales) -> list[Form]:
+def forms_for(machine: DriveMachine, scales: Scales) -> list[Form]:
     """Every form of every effect that applies to this machine."""
     return [form for effect in catalogue().values() for form in effect.forms(machine, scales)]
 

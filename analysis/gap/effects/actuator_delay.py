@@ -1,11 +1,11 @@
 """A whole-sample or transport delay between command and torque."""
 
 from ....models.drive import DELAY
-from ..machine import Machine, Plant
+from ..drive_machine import DriveMachine, DrivePlant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """The same delay, whole or fractional samples, in every command path."""
     dt = scales.dt
     delay = parameter(
@@ -22,12 +22,12 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             name="transport delay",
             parameters=(delay,),
             apply=_apply,
-            where=everywhere("joints", machine.shafts),
+            where=everywhere("joints", machine.joints),
         )
     ]
 
 
-def _apply(plant: Plant, values: Values) -> None:
+def _apply(plant: DrivePlant, values: Values) -> None:
     plant.drive.shaft[:, DELAY] += values["delay"]
 
 

@@ -3,11 +3,11 @@
 from collections.abc import Callable
 
 from ....models.drive import LAG, STAGES
-from ..machine import Machine, Plant
-from .base import Effect, Form, Scales, Values, everywhere, parameter
+from ..drive_machine import DriveMachine, DrivePlant
+from .base import RARE, Effect, Form, Scales, Values, everywhere, parameter
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """The same lag in every actuator, of one stage or of two equal ones."""
     dt = scales.dt
     lag = parameter(
@@ -19,14 +19,15 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             name=name,
             parameters=(lag,),
             apply=_lag(stages),
-            where=everywhere("joints", machine.shafts),
+            where=everywhere("joints", machine.joints),
+            price=RARE if stages > 1 else 0.0,  # two equal stages come close to a delay
         )
         for stages, name in enumerate(("first order", "second order"), 1)
     ]
 
 
-def _lag(stages: int) -> Callable[[Plant, Values], None]:
-    def apply(plant: Plant, values: Values) -> None:
+def _lag(stages: int) -> Callable[[DrivePlant, Values], None]:
+    def apply(plant: DrivePlant, values: Values) -> None:
         plant.drive.shaft[:, LAG] = values["time_constant"]
         plant.drive.shaft[:, STAGES] = stages
 

@@ -3,15 +3,15 @@
 from collections.abc import Callable
 
 from ....models.drive import RIPPLE_COS, RIPPLE_SIN, RIPPLE_WAVENUMBER
-from ..machine import Machine, Plant
+from ..drive_machine import DriveMachine, DrivePlant
 from .base import Effect, Form, Scales, Values, at, parameter
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """One form for each spatial frequency that machines of this kind show."""
     parameters = tuple(
         parameter(f"{part}_{s}", machine.unit("effort"), 0.1 * scales.effort, starts=(0.0,))
-        for s in machine.shafts
+        for s in machine.joints
         for part in ("cos", "sin")
     )
     return [
@@ -28,9 +28,9 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
     ]
 
 
-def _ripple(machine: Machine, wavenumber: float) -> Callable[[Plant, Values], None]:
-    def apply(plant: Plant, values: Values) -> None:
-        for j, s in enumerate(machine.shafts):
+def _ripple(machine: DriveMachine, wavenumber: float) -> Callable[[DrivePlant, Values], None]:
+    def apply(plant: DrivePlant, values: Values) -> None:
+        for j, s in enumerate(machine.joints):
             plant.drive.shaft[j, RIPPLE_WAVENUMBER] = wavenumber
             plant.drive.shaft[j, RIPPLE_COS] += values.get(f"cos_{s}", 0.0)
             plant.drive.shaft[j, RIPPLE_SIN] += values.get(f"sin_{s}", 0.0)

@@ -1,11 +1,11 @@
 """A torque, current or voltage limit that clips the command."""
 
 from ....models.drive import LIMIT
-from ..machine import Machine, Plant
+from ..drive_machine import DriveMachine, DrivePlant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """One limit for all actuators; it has no gradient until it bites, so it starts inside the data."""
     peak = scales.effort_peak
     limit = parameter(
@@ -22,12 +22,12 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             name="clipped command",
             parameters=(limit,),
             apply=_apply,
-            where=everywhere("joints", machine.shafts),
+            where=everywhere("joints", machine.joints),
         )
     ]
 
 
-def _apply(plant: Plant, values: Values) -> None:
+def _apply(plant: DrivePlant, values: Values) -> None:
     plant.drive.shaft[:, LIMIT] = values["limit"]
 
 

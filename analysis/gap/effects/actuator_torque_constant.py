@@ -1,11 +1,12 @@
 """A wrong gain from command to torque."""
 
 from ....models.drive import GAIN
-from ..machine import Machine, Parameter, Plant
+from ..drive_machine import DriveMachine, DrivePlant
+from ..machine import Parameter
 from .base import Effect, Form, Scales, Values, at, everywhere, parameter
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """One gain error for all actuators; a second form lets each have its own."""
 
     def bounded(name: str) -> Parameter:
@@ -16,14 +17,14 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
         name="common gain",
         parameters=(bounded("gain_error"),),
         apply=_apply_common,
-        where=everywhere("joints", machine.shafts),
+        where=everywhere("joints", machine.joints),
     )
-    if len(machine.shafts) == 1:
+    if len(machine.joints) == 1:
         return [common]
-    each = tuple(bounded(f"gain_error_{s}") for s in machine.shafts)
+    each = tuple(bounded(f"gain_error_{s}") for s in machine.joints)
 
-    def apply(plant: Plant, values: Values) -> None:
-        for j, s in enumerate(machine.shafts):
+    def apply(plant: DrivePlant, values: Values) -> None:
+        for j, s in enumerate(machine.joints):
             plant.drive.shaft[j, GAIN] *= 1.0 + values.get(f"gain_error_{s}", 0.0)
 
     own = Form(
@@ -32,12 +33,12 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
         parameters=each,
         apply=apply,
         where=at("joints", "gain_error_"),
-        removable=frozenset(f"gain_error_{s}" for s in machine.shafts),
+        removable=frozenset(f"gain_error_{s}" for s in machine.joints),
     )
     return [common, own]
 
 
-def _apply_common(plant: Plant, values: Values) -> None:
+def _apply_common(plant: DrivePlant, values: Values) -> None:
     plant.drive.shaft[:, GAIN] *= 1.0 + values["gain_error"]
 
 

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..machine import Machine, Parameter, Plant
+from ..drive_machine import DriveMachine
+from ..machine import Parameter, RunData
 
 RARE = 0.03  # price of a form that a plainer one nearly contains
 
@@ -31,6 +32,24 @@ class Scales:
     duration: float  # from the start of the first run to that of the last, 0 if not known [s]
 
 
+def scales_of(runs: Sequence[RunData]) -> Scales:
+    """Typical sizes of some runs."""
+    command = np.concatenate([run.command[run.window] for run in runs])
+    rate = np.concatenate([run.reference_rate[run.window] for run in runs])
+    position = np.concatenate([run.position[run.window] for run in runs])
+    travel = float(np.ptp(position))
+    return Scales(
+        effort=float(np.sqrt(np.mean(command**2))),
+        effort_peak=float(np.max(np.abs(command))),
+        rate=float(np.sqrt(np.mean(rate**2))),
+        rate_peak=float(np.max(np.abs(rate))),
+        travel=travel,
+        dt=runs[0].dt,
+        duration=max(run.start for run in runs) - min(run.start for run in runs),
+        lsb=runs[0].lsb or 1e-6 * travel,
+    )
+
+
 Values = Mapping[str, float]
 
 
@@ -47,7 +66,7 @@ class Form:
     effect: str
     name: str
     parameters: tuple[Parameter, ...]
-    apply: Callable[[Plant, Values], None]
+    apply: Callable[[Any, Values], None]  # changes the plant of the machine the form is for
     where: Callable[[Sequence[str]], dict[str, Any]]
     removable: frozenset[str] = frozenset()
     replaces: frozenset[str] = frozenset()
@@ -66,7 +85,7 @@ class Effect:
 
     id: str
     summary: str
-    forms: Callable[[Machine, Scales], list[Form]]
+    forms: Callable[[DriveMachine, Scales], list[Form]]
     # What the unexplained torque of a machine with this effect looks like, for the report.
     signature: str
 

@@ -5,7 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ....models.drive import BACKWARD, FORWARD, STIFFNESS, WIDTH
-from ..machine import Machine, Parameter, Plant
+from ..drive_machine import DriveMachine, DrivePlant
+from ..machine import Parameter
 from .base import Scales, Values, parameter
 
 MOST_SUBSTEPS = 8
@@ -15,7 +16,7 @@ STABLE = 2.0  # Runge-Kutta steps are kept below this many time constants of the
 FAMILY = "dry friction"
 
 
-def level_parameters(machine: Machine, scales: Scales) -> tuple[Parameter, ...]:
+def level_parameters(machine: DriveMachine, scales: Scales) -> tuple[Parameter, ...]:
     """A level for each friction element."""
     return tuple(
         parameter(f"level_{e}", machine.unit("effort"), scales.effort, lower=0.0)
@@ -23,7 +24,7 @@ def level_parameters(machine: Machine, scales: Scales) -> tuple[Parameter, ...]:
     )
 
 
-def width_parameter(machine: Machine, scales: Scales) -> Parameter:
+def width_parameter(machine: DriveMachine, scales: Scales) -> Parameter:
     """Speed over which the smoothed sign changes."""
     return parameter(
         "width",
@@ -40,15 +41,17 @@ def asymmetry_parameter(name: str) -> Parameter:
     return parameter(name, "-", 0.3, lower=-1.0, upper=1.0)
 
 
-def asymmetry_parameters(machine: Machine) -> tuple[Parameter, ...]:
+def asymmetry_parameters(machine: DriveMachine) -> tuple[Parameter, ...]:
     """An asymmetry for each friction element."""
     return tuple(asymmetry_parameter(f"asymmetry_{e}") for e in machine.elements)
 
 
-def apply_smooth_sign(machine: Machine, scales: Scales) -> Callable[[Plant, Values], None]:
+def apply_smooth_sign(
+    machine: DriveMachine, scales: Scales
+) -> Callable[[DrivePlant, Values], None]:
     """Levels with a smoothed sign of the given width; short steps keep it stable."""
 
-    def apply(plant: Plant, values: Values) -> None:
+    def apply(plant: DrivePlant, values: Values) -> None:
         _add_levels(plant, values, machine)
         plant.drive.element[:, WIDTH] = values["width"]
         keep_stable(plant, scales)
@@ -56,7 +59,7 @@ def apply_smooth_sign(machine: Machine, scales: Scales) -> Callable[[Plant, Valu
     return apply
 
 
-def keep_stable(plant: Plant, scales: Scales) -> None:
+def keep_stable(plant: DrivePlant, scales: Scales) -> None:
     """Shorten the plant's steps to what the steepest smoothed sign asks for."""
     element = plant.drive.element
     steepest = float(np.max(element[:, (FORWARD, BACKWARD)].max(axis=1) / element[:, WIDTH]))
@@ -65,10 +68,10 @@ def keep_stable(plant: Plant, scales: Scales) -> None:
     plant.substeps = max(plant.substeps, min(wanted, MOST_SUBSTEPS))
 
 
-def apply_bristles(machine: Machine, scales: Scales) -> Callable[[Plant, Values], None]:
+def apply_bristles(machine: DriveMachine, scales: Scales) -> Callable[[DrivePlant, Values], None]:
     """Levels reached after an elastic travel, Dahl's law."""
 
-    def apply(plant: Plant, values: Values) -> None:
+    def apply(plant: DrivePlant, values: Values) -> None:
         _add_levels(plant, values, machine)
         levels = plant.drive.element[:, (FORWARD, BACKWARD)]
         plant.drive.element[:, STIFFNESS] = levels.mean(axis=1) / values["travel"]
@@ -76,7 +79,7 @@ def apply_bristles(machine: Machine, scales: Scales) -> Callable[[Plant, Values]
     return apply
 
 
-def _add_levels(plant: Plant, values: Values, machine: Machine) -> None:
+def _add_levels(plant: DrivePlant, values: Values, machine: DriveMachine) -> None:
     for i, e in enumerate(machine.elements):
         level = values.get(f"level_{e}", 0.0)
         asymmetry = values.get(f"asymmetry_{e}", values.get("asymmetry", 0.0))

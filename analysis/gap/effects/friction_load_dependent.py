@@ -1,18 +1,18 @@
 """Friction that grows with the transmitted torque."""
 
 from ....models.drive import LOAD_FRICTION
-from ..machine import Machine, Plant
+from ..drive_machine import DriveMachine, DrivePlant
 from .base import Effect, Form, Scales, Values, at, parameter
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """A share of each shaft's drive torque that is lost to friction."""
     parameters = tuple(
-        parameter(f"share_{s}", "-", 0.1, lower=0.0, upper=0.9) for s in machine.shafts
+        parameter(f"share_{s}", "-", 0.1, lower=0.0, upper=0.9) for s in machine.joints
     )
 
-    def apply(plant: Plant, values: Values) -> None:
-        for j, s in enumerate(machine.shafts):
+    def apply(plant: DrivePlant, values: Values) -> None:
+        for j, s in enumerate(machine.joints):
             plant.drive.shaft[j, LOAD_FRICTION] += values.get(f"share_{s}", 0.0)
 
     return [

@@ -1,12 +1,12 @@
 """Dry friction that falls with speed before viscous friction makes it rise."""
 
 from ....models.drive import BREAKAWAY, STRIBECK_SPEED
-from ..machine import Machine, Plant
+from ..drive_machine import DriveMachine, DrivePlant
 from .base import RARE, Effect, Form, Scales, Values, at, parameter
 from .dry_friction import FAMILY, apply_smooth_sign, level_parameters, width_parameter
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """Levels, what breakaway adds to them as a share, and the speed over which that decays."""
     levels = level_parameters(machine, scales)
     share = parameter("breakaway_share", "-", 0.5, lower=0.0, upper=5.0, starts=(0.5,))
@@ -20,7 +20,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
     )
     smooth = apply_smooth_sign(machine, scales)
 
-    def apply(plant: Plant, values: Values) -> None:
+    def apply(plant: DrivePlant, values: Values) -> None:
         smooth(plant, values)
         for i, e in enumerate(machine.elements):
             extra = values["breakaway_share"] * values.get(f"level_{e}", 0.0)

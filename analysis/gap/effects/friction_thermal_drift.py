@@ -3,14 +3,14 @@
 import numpy as np
 
 from ....models.drive import BACKWARD, FADE, FORWARD, STRIBECK_SPEED, VISCOUS, WIDTH
-from ..machine import Machine, Plant
+from ..drive_machine import DriveMachine, DrivePlant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
 from .dry_friction import keep_stable, width_parameter
 
 WARM_UP = 200.0  # s
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """Viscous and dry friction of the cold machine, dying away with the time it has run.
 
     The lubricant is the same everywhere, so all viscous friction thickens by one share. Applies
@@ -25,9 +25,9 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
         starts=(WARM_UP, 0.3 * scales.duration, 3.0 * scales.duration),
     )  # fmt: skip
 
-    def apply(plant: Plant, values: Values) -> None:
+    def apply(plant: DrivePlant, values: Values) -> None:
         left = np.exp(-plant.time / values["warm_up"])
-        n = len(machine.shafts)
+        n = len(machine.joints)
         cold = np.zeros_like(plant.drive.element)
         cold[:, VISCOUS] = left * values.get("cold_viscous_share", 0.0)
         cold[:, VISCOUS] *= plant.drive.element[:, VISCOUS]
@@ -47,7 +47,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             name="exponential warm-up",
             parameters=(excess, level, warm_up, width_parameter(machine, scales)),
             apply=apply,
-            where=everywhere("elements", machine.shafts),
+            where=everywhere("elements", machine.joints),
             shapes=frozenset({"warm_up", "width"}),
             removable=frozenset({"cold_viscous_share", "cold_level"}),
         )

@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 
 from ....models.drive import VISCOUS, VISCOUS_SKEW
-from ..machine import Machine, Parameter, Plant
+from ..drive_machine import DriveMachine, DrivePlant
+from ..machine import Parameter
 from .base import RARE, Effect, Form, Scales, Values, at, parameter
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """Extra coefficient of each friction element, and what it has more forward than backward."""
     scale = scales.effort / scales.rate
     extra = [
@@ -19,7 +20,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
         for e in machine.elements
     ]
 
-    def apply(plant: Plant, values: Values) -> None:
+    def apply(plant: DrivePlant, values: Values) -> None:
         for i, e in enumerate(machine.elements):
             plant.drive.element[i, VISCOUS] += values.get(f"viscous_{e}", 0.0)
             plant.drive.element[i, VISCOUS_SKEW] += values.get(f"skew_{e}", 0.0)

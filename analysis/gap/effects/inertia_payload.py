@@ -1,18 +1,18 @@
 """A mass or inertia that the nominal model does not have, or has wrong."""
 
-from ..machine import Machine, Plant
+from ..drive_machine import DriveMachine, DrivePlant
 from .base import Effect, Form, Scales, Values, at, parameter
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """Extra mass or inertia along each payload axis of the machine."""
     parameters = tuple(
         parameter(f"extra_{axis.name}", axis.unit, axis.scale, starts=(0.0,))
         for axis in machine.payload
     )
 
-    def apply(plant: Plant, values: Values) -> None:
-        n = len(machine.shafts)
+    def apply(plant: DrivePlant, values: Values) -> None:
+        n = len(machine.joints)
         for axis in machine.payload:
             plant.inertia[-n:, -n:] += values.get(f"extra_{axis.name}", 0.0) * axis.inertia
 

@@ -2,20 +2,20 @@
 
 import numpy as np
 
-from ..machine import Machine, Plant
+from ..drive_machine import DriveMachine, DrivePlant
 from .base import Effect, Form, Scales, Values, at, everywhere, parameter
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """One scale error of all encoders, such as a wrong count; a second form lets each have its own."""
     parameters = tuple(
         parameter(f"scale_error_{s}", "-", 0.2, lower=-0.5, upper=1.0, starts=(0.0,))
-        for s in machine.shafts
+        for s in machine.joints
     )
 
-    def apply(plant: Plant, values: Values) -> None:
+    def apply(plant: DrivePlant, values: Values) -> None:
         plant.sensor_scale = np.array(
-            [1.0 + values.get(f"scale_error_{s}", 0.0) for s in machine.shafts]
+            [1.0 + values.get(f"scale_error_{s}", 0.0) for s in machine.joints]
         )
 
     each = Form(
@@ -26,18 +26,18 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
         where=at("joints", "scale_error_"),
         removable=frozenset(p.name for p in parameters),
     )
-    if len(machine.shafts) == 1:
+    if len(machine.joints) == 1:
         return [each]
 
-    def apply_common(plant: Plant, values: Values) -> None:
-        plant.sensor_scale = np.full(len(machine.shafts), 1.0 + values["scale_error"])
+    def apply_common(plant: DrivePlant, values: Values) -> None:
+        plant.sensor_scale = np.full(len(machine.joints), 1.0 + values["scale_error"])
 
     common = Form(
         effect=EFFECT.id,
         name="common scale",
         parameters=(parameter("scale_error", "-", 0.2, lower=-0.5, upper=1.0, starts=(0.0,)),),
         apply=apply_common,
-        where=everywhere("joints", machine.shafts),
+        where=everywhere("joints", machine.joints),
     )
     return [common, each]
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from ..machine import Machine, Plant
+from ..drive_machine import DriveMachine, DrivePlant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
 from .two_inertia import CONTACT, FAMILY, motor_share_parameter, split
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """The same clearance at every shaft or at one of them; contact is stiff and dissipates."""
     unit = 5e-4 * scales.travel
     gap = parameter(
@@ -23,9 +23,9 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
     stiffness = CONTACT * scales.effort_peak / scales.travel
 
     def form(name: str, loose: tuple[str, ...]) -> Form:
-        here = np.array([float(s in loose) for s in machine.shafts])
+        here = np.array([float(s in loose) for s in machine.joints])
 
-        def apply(plant: Plant, values: Values) -> None:
+        def apply(plant: DrivePlant, values: Values) -> None:
             split(
                 plant,
                 machine,
@@ -47,8 +47,8 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             own_start=True,
         )
 
-    name, single = "dead zone, stiff contact", machine.shafts if len(machine.shafts) > 1 else ()
-    return [form(name, machine.shafts), *(form(f"{name}, {s} only", (s,)) for s in single)]
+    name, single = "dead zone, stiff contact", machine.joints if len(machine.joints) > 1 else ()
+    return [form(name, machine.joints), *(form(f"{name}, {s} only", (s,)) for s in single)]
 
 
 EFFECT = Effect(

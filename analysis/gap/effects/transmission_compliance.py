@@ -1,11 +1,11 @@
 """A flexible coupling, belt, screw or link between motor and load."""
 
-from ..machine import Machine, Plant
+from ..drive_machine import DriveMachine, DrivePlant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
 from .two_inertia import CONTACT, FAMILY, motor_share_parameter, split
 
 
-def forms(machine: Machine, scales: Scales) -> list[Form]:
+def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """The same flexibility at every shaft, with the motor's share of the inertia."""
     stiffest = scales.travel / (CONTACT * scales.effort_peak)
     compliance = parameter(
@@ -19,7 +19,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
     share = motor_share_parameter(machine)
     damping = parameter("damping_ratio", "-", 0.1, lower=0.0, upper=1.0, starts=(0.05, 0.3))
 
-    def apply(plant: Plant, values: Values) -> None:
+    def apply(plant: DrivePlant, values: Values) -> None:
         split(
             plant,
             machine,
@@ -36,7 +36,7 @@ def forms(machine: Machine, scales: Scales) -> list[Form]:
             name="two inertias",
             parameters=(compliance, share, damping),
             apply=apply,
-            where=everywhere("joints", machine.shafts),
+            where=everywhere("joints", machine.joints),
             family=FAMILY,
         )
     ]

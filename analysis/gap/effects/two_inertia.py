@@ -13,7 +13,8 @@ from ....models.drive import (
     STAGES,
     TO_SHAFT,
 )
-from ..machine import Array, Machine, Parameter, Plant
+from ..drive_machine import DriveMachine, DrivePlant
+from ..machine import Array, Parameter
 from .base import parameter
 
 FAMILY = "two inertias"
@@ -21,14 +22,14 @@ CONTACT = 3e4  # contact stiffness: the peak effort deflects it by 1/CONTACT of 
 STEPS_PER_RADIAN = 1.2  # Runge-Kutta steps per radian of the fastest coupling mode
 
 
-def motor_share_parameter(machine: Machine) -> Parameter:
+def motor_share_parameter(machine: DriveMachine) -> Parameter:
     """Share of the smallest inertia on the motors' side, from the machine's own estimate."""
     return parameter("motor_share", "-", 0.3, lower=0.05, upper=0.97, starts=(machine.motor_share,))
 
 
 def split(
-    plant: Plant,
-    machine: Machine,
+    plant: DrivePlant,
+    machine: DriveMachine,
     *,
     share: float,
     stiffness: float,
@@ -41,7 +42,7 @@ def split(
     ``gap`` is one clearance for all or one for each.
     All friction stays with the motors, whose bearings and screw nuts make most of it.
     """
-    n = len(machine.shafts)
+    n = len(machine.joints)
     total = plant.inertia
     motor = share * float(np.linalg.eigvalsh(total)[0])
     load = total - motor * np.eye(n)

@@ -12,8 +12,9 @@ from ....models.drive import VISCOUS
 from ....models.drive_kernels import LoopController
 from ....models.motion import C_DRIVE_MOTIONS, c_drive_motion
 from ...errors import InputError
+from ..drive_machine import DriveMachine, DrivePlant, PayloadAxis
 from ..logset import FILE, LogSet, Run
-from ..machine import Machine, PayloadAxis, Plant, RunData, encoder_step, own_parameter
+from ..machine import RunData, encoder_step, own_parameter
 from .reference import derivatives
 from .settings import Settings, nominal_settings, require_units, tolerance
 
@@ -22,7 +23,7 @@ RIPPLES_PER_TURN = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 18, 24)  # eccentricity, po
 ROTOR_INERTIA = 6.0e-4  # I_h [kg m^2]: (5.2) with the printed collar mass of 3.279 kg in (2.6a)
 
 
-def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
+def read(logset: LogSet) -> tuple[DriveMachine, list[RunData]]:
     """Machine and runs of a C-drive log set."""
     require_units(
         logset,
@@ -43,7 +44,7 @@ def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
     return machine, runs
 
 
-def c_drive_machine(parameters: CDriveParameters, relative: float) -> Machine:
+def c_drive_machine(parameters: CDriveParameters, relative: float) -> DriveMachine:
     """The C-drive for the instrument; its own parameters are the modal inertias and D."""
     M = c_drive.inertia_matrix(parameters)
     J = c_drive.jacobian(parameters.lead)
@@ -58,10 +59,10 @@ def c_drive_machine(parameters: CDriveParameters, relative: float) -> Machine:
         "gamma": ("N m s/rad", parameters.gamma),
     }
 
-    def build(values: Mapping[str, float]) -> Plant:
+    def build(values: Mapping[str, float]) -> DrivePlant:
         slide, turn = values["inertia_translation"], values["inertia_rotation"]
         inertia = 0.5 * np.array([[turn + slide, turn - slide], [turn - slide, turn + slide]])
-        plant = Plant(inertia=inertia, drive=c_drive.drive(parameters).copy())
+        plant = DrivePlant(inertia=inertia, drive=c_drive.drive(parameters).copy())
         plant.drive.element[:, VISCOUS] = [
             values["beta_left"],
             values["beta_right"],
@@ -69,9 +70,9 @@ def c_drive_machine(parameters: CDriveParameters, relative: float) -> Machine:
         ]
         return plant
 
-    return Machine(
+    return DriveMachine(
         kind="c_drive",
-        shafts=c_drive.SHAFTS,
+        joints=c_drive.SHAFTS,
         elements=c_drive.ELEMENTS,
         task=("translation", "rotation"),
         task_map=J * np.array([[1.0], [2.0 * np.pi / parameters.lead]]),
@@ -91,7 +92,7 @@ def c_drive_machine(parameters: CDriveParameters, relative: float) -> Machine:
         ripples={f"1/{k} turn" if k > 1 else "1 turn": float(k) for k in RIPPLES_PER_TURN},
         motor_share=ROTOR_INERTIA / (M[0, 0] - M[0, 1]),
         bandwidth=100.0,
-        build=build,
+        plant=build,
     )  # fmt: skip
 
 

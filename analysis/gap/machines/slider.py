@@ -7,8 +7,9 @@ import numpy as np
 from ....models.drive import VISCOUS, ideal_drive
 from ....models.drive_kernels import CASCADE, LoopController
 from ...errors import InputError
+from ..drive_machine import DriveMachine, DrivePlant, PayloadAxis
 from ..logset import FILE, LogSet, Run
-from ..machine import Machine, PayloadAxis, Plant, RunData, encoder_step, own_parameter
+from ..machine import RunData, encoder_step, own_parameter
 from .reference import derivatives
 from .settings import Settings, nominal_settings, require_units, tolerance
 
@@ -16,7 +17,7 @@ RIPPLE_PERIODS = (0.001, 0.002, 0.004, 0.005, 0.01, 0.016, 0.02, 0.024, 0.03, 0.
 SIGN_WIDTH = 1e-3  # of the smoothed sign of dry friction [m/s]
 
 
-def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
+def read(logset: LogSet) -> tuple[DriveMachine, list[RunData]]:
     """Machine and runs of a slider log set with the cascade P-P law of EMPS."""
     require_units(logset, {"q_ref": "m", "q": "m", "force": "N"})
     nominal = nominal_settings(logset, {"mass_kg", "viscous_N_s_per_m"})
@@ -38,20 +39,20 @@ def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
     return machine, runs
 
 
-def slider_machine(mass: float, viscous: float, relative: float) -> Machine:
+def slider_machine(mass: float, viscous: float, relative: float) -> DriveMachine:
     """One axis of ``mass`` [kg] with viscous friction [N s/m]."""
 
-    def build(values: Mapping[str, float]) -> Plant:
+    def build(values: Mapping[str, float]) -> DrivePlant:
         inertia = np.array([[values["mass"]]])
-        plant = Plant(
+        plant = DrivePlant(
             inertia=inertia, drive=ideal_drive(inertia, np.ones((1, 1)), [0.0], SIGN_WIDTH)
         )
         plant.drive.element[0, VISCOUS] = values["viscous"]
         return plant
 
-    return Machine(
+    return DriveMachine(
         kind="slider",
-        shafts=("axis",),
+        joints=("axis",),
         elements=("axis",),
         task=("axis",),
         task_map=np.ones((1, 1)),
@@ -70,7 +71,7 @@ def slider_machine(mass: float, viscous: float, relative: float) -> Machine:
         ripples={f"{1e3 * p:g} mm": 2.0 * np.pi / p for p in RIPPLE_PERIODS},
         motor_share=0.5,
         bandwidth=100.0,
-        build=build,
+        plant=build,
     )
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from ..diagnosis import Diagnosis
 from ..fitting import Predictor
 from ..hypothesis import Fit
-from ..location import unexplained_effort
 from ..machine import Array, RunData
 
 
@@ -28,7 +27,7 @@ class Material:
             machine = self.diagnosis.machine
             residuals = self._predictor.residuals(fit.hypothesis, [fit.values], fit.keys)[0]
             self._efforts[id(fit)] = [
-                unexplained_effort(r, machine, run.dt) for r, run in zip(residuals, self.held_out)
+                machine.unexplained(r, run) for r, run in zip(residuals, self.held_out)
             ]
         return self._efforts[id(fit)]
 

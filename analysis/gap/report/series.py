@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from ..machine import Array, RunData
-from ..shrinkage import simulate
 from .base import Material, Section, rms
 
 MOST_SAMPLES = 12_000  # of a series on the page; longer ones keep the extremes of every bucket
@@ -22,18 +21,20 @@ def context(material: Material) -> dict[str, Any]:
     run = material.held_out[index]
     t = run.t[run.window]
     name = "diagnosed" if d.verdict.accepted else "retuned"
-    loops = {"nominal": _loop(material, run, d.nominal), name: _loop(material, run, d.chosen)}
+    fits = {"nominal": d.nominal, name: d.chosen}
+    loops = {key: loop for key, fit in fits.items() if (loop := _loop(material, run, fit))}
     panels = []
-    for j, shaft in enumerate(d.machine.shafts):
+    for j, shaft in enumerate(d.machine.joints):
         panels.append(
             _panel(f"Unexplained effort, {shaft}", d.machine.effort_unit,
                    {"nominal": nominal[index][:, j], name: after[index][:, j]})
         )  # fmt: skip
-    for j, shaft in enumerate(d.machine.shafts):
+    commanded = d.machine.joints if run.command.shape == run.position.shape else ()
+    for j, shaft in enumerate(commanded):
         series = {"measured": run.command[run.window][:, j]}
         series |= {key: command[:, j] for key, (command, _) in loops.items()}
         panels.append(_panel(f"Command, {shaft}", d.machine.effort_unit, series))
-    for j, shaft in enumerate(d.machine.shafts):
+    for j, shaft in enumerate(d.machine.joints):
         series = {"measured": (run.reference - run.position)[run.window][:, j]}
         series |= {key: error[:, j] for key, (_, error) in loops.items()}
         panels.append(_panel(f"Tracking error, {shaft}", d.machine.position_unit, series))
@@ -50,10 +51,13 @@ def context(material: Material) -> dict[str, Any]:
     }
 
 
-def _loop(material: Material, run: RunData, fit: Any) -> tuple[Array, Array]:
+def _loop(material: Material, run: RunData, fit: Any) -> tuple[Array, Array] | None:
     """Command and tracking error of the whole loop on the model, on the run's window."""
-    plant = fit.hypothesis.plant(material.diagnosis.machine, fit.by_key(), run.start)
-    position, command = simulate(run, plant)
+    machine = material.diagnosis.machine
+    loop = machine.simulate(run, fit.hypothesis.plant(machine, fit.by_key(), run.start))
+    if loop is None:
+        return None
+    position, command = loop
     return command[run.window], (run.reference - position)[run.window]
 
 

@@ -30,7 +30,7 @@ def context(material: Material) -> dict[str, Any]:
         "maps": [
             {"title": title, **_heat_map(location[key], row, column)}
             for key, row, column, title in MAPS
-            if location.get(key) and len(material.diagnosis.machine.shafts) > 1
+            if location.get(key) and len(material.diagnosis.machine.joints) > 1
         ],
     }
 

@@ -23,7 +23,7 @@ def context(material: Material) -> dict[str, Any]:
     rows = [_row(r, i, winner, d) for i, r in enumerate(d.ranking, start=1)]
     rivals = [r for r in d.ranking if r is not winner]
     return {
-        "unit": d.machine.position_unit,
+        "unit": d.machine.residual_unit,
         "believed": d.verdict.accepted is not None or d.verdict.verdict == "no_gap",
         "winner": winner.fit.hypothesis.label,
         "runner_up": rivals[0].fit.hypothesis.label if rivals else "",

@@ -85,12 +85,12 @@ def signature(effect: str) -> str:
 
 def place(where: Mapping[str, Any], machine: Machine) -> str:
     """Where an effect acts, such as ``left``; empty on a machine with one place only."""
-    if len(machine.elements) == 1:
+    if len(machine.joints) == 1:
         return ""
     parts = []
     for value in where.values():
         names = [str(v) for v in value] if isinstance(value, list | tuple) else [str(value)]
-        if len(names) > 1 and set(names) >= set(machine.shafts):
+        if len(names) > 1 and set(names) >= set(machine.joints):
             parts.append(
                 f"all {len(names)} of {listed(names)}"
                 if len(names) > 2

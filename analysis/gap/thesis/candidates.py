@@ -7,8 +7,8 @@ import numpy as np
 from ....models import motion, thesis_tables
 from ....models.benchmark import LSB
 from ....models.motion import C_DRIVE_MOTIONS
+from ..drive_machine import DriveMachine
 from ..effects import Form, Scales, forms_for
-from ..machine import Machine
 from .experiment import METRICS, Experiment
 
 # Left out: effects of the log (sensors) and drift over minutes, of which no table speaks, and torque
@@ -32,7 +32,7 @@ SAMPLE_TIME = 1e-3  # [s], Table 5-3
 
 
 def candidate_forms(
-    machine: Machine, experiment: Experiment, effects: Sequence[str] = CANDIDATES
+    machine: DriveMachine, experiment: Experiment, effects: Sequence[str] = CANDIDATES
 ) -> list[Form]:
     """Plain forms of the effects; richer ones have more parameters than the table can carry."""
     forms = forms_for(machine, scales(experiment))

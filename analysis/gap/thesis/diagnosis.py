@@ -21,8 +21,9 @@ from ....models.benchmark import Conditions
 from ....models.c_drive import CDriveParameters
 from ...files import output_folder, write_whole
 from ..attribution import Ranked
+from ..drive_machine import DriveMachine
 from ..hypothesis import Fit, Hypothesis
-from ..machine import Array, Machine
+from ..machine import Array
 from ..machines.c_drive import c_drive_machine
 from ..verdict import Verdict, decide
 from .candidates import CANDIDATES, candidate_forms
@@ -356,7 +357,7 @@ def _variants(
 
 
 def _next_experiment(
-    machine: Machine, ranking: Sequence[Ranked], spread: Scatter
+    machine: DriveMachine, ranking: Sequence[Ranked], spread: Scatter
 ) -> dict[str, Any]:
     """The test and rate at which the best two hypotheses differ most, in standard deviations."""
     first, second = ranking[0].fit, ranking[1].fit

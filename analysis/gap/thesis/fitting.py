@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import least_squares, lsq_linear
 
+from ..drive_machine import DriveMachine
 from ..hypothesis import Fit, Hypothesis
-from ..machine import Array, Machine
+from ..machine import Array
 from .experiment import METRICS, TESTS, Experiment, Scatter
 from .loops import BenchmarkLoops
 
@@ -28,7 +29,7 @@ class TableProblem:
 
     def __init__(
         self,
-        machine: Machine,
+        machine: DriveMachine,
         loops: BenchmarkLoops,
         experiment: Experiment,
         scatter: Scatter,
@@ -110,7 +111,7 @@ class TableFitter:
     """Fits hypotheses to one table."""
 
     def __init__(
-        self, machine: Machine, loops: BenchmarkLoops, experiment: Experiment, scatter: Scatter
+        self, machine: DriveMachine, loops: BenchmarkLoops, experiment: Experiment, scatter: Scatter
     ) -> None:
         self.machine = machine
         self.loops = loops

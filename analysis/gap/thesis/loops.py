@@ -16,7 +16,8 @@ from ....models import benchmark, c_drive, drive_kernels, motion
 from ....models.benchmark import BenchmarkRun, Conditions
 from ....models.c_drive import CDriveParameters
 from ....models.motion import C_DRIVE_MOTIONS
-from ..machine import Array, FinishedPlant
+from ..drive_machine import FinishedPlant
+from ..machine import Array
 from .experiment import METRICS, TESTS, quantisation
 
 LEAD_IN = 0.5  # cycles before the one that counts

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from gapscope.analysis.blind_machine import write_case
-from gapscope.analysis.gap.diagnosis import _scales
-from gapscope.analysis.gap.effects import catalogue, forms_for
+from gapscope.analysis.gap.effects import catalogue
 from gapscope.analysis.gap.fitting import Predictor, fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
@@ -17,7 +16,7 @@ from gapscope.analysis.gap.machines import read_machine
 @pytest.fixture(scope="module")
 def case(nominal_logset):
     machine, runs = read_machine(load_logset(nominal_logset))
-    return machine, Predictor(machine, runs[:1]), forms_for(machine, _scales(runs))
+    return machine, Predictor(machine, runs[:1]), machine.forms(runs)
 
 
 def residual(case, form, values):
@@ -54,7 +53,7 @@ def test_every_additive_form_is_nothing_at_zero_and_something_away_from_it(case)
 
 def test_every_form_names_existing_places(case):
     machine, _, forms = case
-    known = {*machine.shafts, *machine.elements, *(axis.name for axis in machine.payload)}
+    known = {*machine.joints, *machine.elements, *(axis.name for axis in machine.payload)}
     for form in forms:
         where = form.where([p.name for p in form.parameters])
         assert where
@@ -72,7 +71,7 @@ def cold_slider(tmp_path_factory):
 
 def test_every_form_predicts_a_slider_where_a_search_moves_it(cold_slider):
     machine, runs, _ = cold_slider
-    predictor, forms = Predictor(machine, runs[:1]), forms_for(machine, _scales(runs))
+    predictor, forms = Predictor(machine, runs[:1]), machine.forms(runs)
     for form in forms:
         for moved in form.parameters:
             values = {p.name: p.starts[0] for p in form.parameters}
@@ -84,7 +83,7 @@ def test_every_form_predicts_a_slider_where_a_search_moves_it(cold_slider):
 def test_warm_up_is_recovered_from_runs_minutes_apart(cold_slider):
     machine, runs, truth = cold_slider
     predictor = Predictor(machine, [run for run in runs if run.use == "fit"])
-    (form,) = (f for f in forms_for(machine, _scales(runs)) if f.effect == "friction.thermal_drift")
+    (form,) = (f for f in machine.forms(runs) if f.effect == "friction.thermal_drift")
     found = fit(predictor, Hypothesis(forms=(form,)), fit(predictor, Hypothesis())).by_key()
     for name, expected in (
         ("cold_viscous_share", truth["viscous_excess"]),

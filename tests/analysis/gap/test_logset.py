@@ -39,7 +39,7 @@ def test_a_good_set_is_read(logset):
     log = load_logset(logset)
     assert (log.kind, len(log.fit), len(log.validate)) == ("c_drive", 3, 1)
     machine, runs = read_machine(log)
-    assert machine.shafts == ("left", "right")
+    assert machine.joints == ("left", "right")
     assert [run.period for run in runs] == [500] * 4
 
 

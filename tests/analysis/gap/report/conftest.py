@@ -79,7 +79,7 @@ def diagnosed(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         every = effects.forms_for
         patch.setattr(
-            diagnosis,
+            effects,
             "forms_for",
             lambda *args: [f for f in every(*args) if f.name in TRIED],
         )
