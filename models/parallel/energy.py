@@ -12,6 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import kernels
+
 Floats = NDArray[np.float64]
 
 
@@ -47,11 +49,18 @@ def equations(motion: Motion, mass: ArrayLike, inertia: ArrayLike, weight: float
     diagonal = np.stack([m, m, i], axis=-1)
     pulled = np.stack([0.0 * m, m * weight, 0.0 * m], axis=-1)
     j = motion.jacobian
-    return Equations(
-        np.einsum("...bki,bk,...bkj->...ij", j, diagonal, j),
-        np.einsum("...bki,bk,...bk->...i", j, diagonal, motion.drift),
-        np.einsum("...bki,bk->...i", j, pulled),
+    batch, n = j.shape[:-3], j.shape[-1]
+    result = Equations(np.empty((*batch, n, n)), np.empty((*batch, n)), np.empty((*batch, n)))
+    kernels.project_all(
+        np.ascontiguousarray(j).reshape(-1, *j.shape[-3:]),
+        np.ascontiguousarray(motion.drift).reshape(-1, *j.shape[-3:-1]),
+        diagonal,
+        pulled,
+        result.inertia.reshape(-1, n, n),
+        result.velocity.reshape(-1, n),
+        result.gravity.reshape(-1, n),
     )
+    return result
 
 
 def regressor(motion: Motion, acceleration: ArrayLike, weight: float) -> Floats:

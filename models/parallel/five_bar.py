@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .energy import Floats, Motion
+from . import kernels, linkage
+from .energy import Equations, Floats, Motion
 
 BODIES = ("crank1", "rod2", "rod3", "crank4", "tool")
 
@@ -45,6 +46,26 @@ class FiveBar:
             raise ValueError("a mass or inertia is negative; expected values of at least 0")
 
     @property
+    def lengths(self) -> tuple[float, float, float, float, float]:
+        """H, l1, l2, l3, l4 [m], as ``linkage`` takes them."""
+        return self.base, self.crank1, self.rod2, self.rod3, self.crank4
+
+    @property
+    def bodies(self) -> Floats:
+        """Of BODIES and rotors (7, 6): link from the base, arm along it [m], own link, arm, kg, kg m^2."""
+        r1, r2, r3, r4 = self.centres
+        arms = (
+            (0, 0.0, 0, r1),
+            (0, self.crank1, 1, r2),
+            (3, self.crank4, 2, r3),
+            (3, 0.0, 3, r4),
+            (0, self.crank1, 1, self.tool),
+            (0, 0.0, 0, 0.0),
+            (3, 0.0, 3, 0.0),
+        )
+        return np.column_stack([arms, self.body_masses, self.body_inertias])
+
+    @property
     def body_masses(self) -> Floats:
         """Of BODIES (5,) and the two rotors, which only turn [kg]."""
         return np.array([*self.masses, 0.0, 0.0])
@@ -66,10 +87,9 @@ class Posture(NamedTuple):
 def forward(cranks: ArrayLike, machine: FiveBar, mode: int = 1) -> Posture:
     """Posture at crank angles (..., 2) [rad] (B.18-B.27)."""
     q = np.asarray(cranks, dtype=float)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        angle2, angle3 = linkage.rod_angles(q[..., 0], q[..., 1], *machine.lengths, mode)
     a = machine.crank1 * _along(q[..., 0]) - np.array([0.5 * machine.base, 0.0])
-    b = machine.crank4 * _along(q[..., 1]) + np.array([0.5 * machine.base, 0.0])
-    c = _intersection(a, b, machine.rod2, machine.rod3, mode)
-    angle2, angle3 = _angle(c - a), _angle(c - b)
     return Posture(angle2, angle3, a + machine.tool * _along(angle2))
 
 
@@ -89,71 +109,45 @@ def inverse(tool: ArrayLike, machine: FiveBar, modes: tuple[int, int] = (1, -1))
 def motion(cranks: ArrayLike, rates: ArrayLike, machine: FiveBar, mode: int = 1) -> Motion:
     """Motion of BODIES and rotors (7) at crank angles and rates (..., 2) (B.13-B.17)."""
     q, v = np.asarray(cranks, dtype=float), np.asarray(rates, dtype=float)
-    posture = forward(q, machine, mode)
-    one, two, three, four = q[..., 0], posture.angle2, posture.angle3, q[..., 1]
-    l1, l2, l3, l4 = machine.crank1, machine.rod2, machine.rod3, machine.crank4
-    crossing = np.sin(three - two)
-    by2 = _pair(-l1 * np.sin(three - one), l4 * np.sin(three - four)) / (l2 * crossing)[..., None]
-    by3 = _pair(-l1 * np.sin(two - one), l4 * np.sin(two - four)) / (l3 * crossing)[..., None]
-    w1, w4 = v[..., 0], v[..., 1]
-    w2, w3 = (np.einsum("...i,...i->...", row, v) for row in (by2, by3))
-    drift2 = (
-        l1 * np.cos(three - one) * w1**2
-        + l2 * np.cos(three - two) * w2**2
-        - l4 * np.cos(three - four) * w4**2
-        - l3 * w3**2
-    ) / (l2 * crossing)
-    drift3 = (
-        l1 * np.cos(two - one) * w1**2
-        + l2 * w2**2
-        - l4 * np.cos(two - four) * w4**2
-        - l3 * np.cos(two - three) * w3**2
-    ) / (l3 * crossing)
-    zero, still = np.zeros_like(one), np.zeros_like(v)
-    by1, by4 = still + np.array([1.0, 0.0]), still + np.array([0.0, 1.0])
-    crank1, rod2 = (one, w1, by1, zero), (two, w2, by2, drift2)
-    rod3, crank4 = (three, w3, by3, drift3), (four, w4, by4, zero)
-    r1, r2, r3, r4 = machine.centres
-    bodies = [
-        _body(crank1, (r1, crank1)),
-        _body(rod2, (l1, crank1), (r2, rod2)),
-        _body(rod3, (l4, crank4), (r3, rod3)),
-        _body(crank4, (r4, crank4)),
-        _body(rod2, (l1, crank1), (machine.tool, rod2)),
-        _body(crank1),
-        _body(crank4),
-    ]
-    return Motion(*(np.stack(part, axis=-3 + k) for k, part in enumerate(zip(*bodies))))
-
-
-def _body(turning, *arms):  # type: ignore[no-untyped-def]
-    """Rows (3, n) and drift (3,) of a point at the end of arms (length, link), on the link ``turning``."""
-    _, _, by, drift = turning
-    rows, drifts = np.zeros((*by.shape[:-1], 2, 2)), np.zeros((*by.shape[:-1], 2))
-    for length, (angle, rate, link_by, link_drift) in arms:
-        along = _along(angle)
-        across = np.stack([-along[..., 1], along[..., 0]], axis=-1)
-        rows = rows + length * across[..., :, None] * link_by[..., None, :]
-        drifts = drifts + length * (across * link_drift[..., None] - along * rate[..., None] ** 2)
-    return (
-        np.concatenate([rows, by[..., None, :]], axis=-2),
-        np.concatenate([drifts, drift[..., None]], axis=-1),
+    one, four, w1, w4 = q[..., 0], q[..., 1], v[..., 0], v[..., 1]
+    rods = linkage.rods(one, four, w1, w4, *machine.lengths, mode)
+    two, three, by21, by24, by31, by34, drift2, drift3 = rods
+    w2, w3, zero = by21 * w1 + by24 * w4, by31 * w1 + by34 * w4, np.zeros_like(one)
+    links = (
+        (one, w1, zero + 1.0, zero, zero),
+        (two, w2, by21, by24, drift2),
+        (three, w3, by31, by34, drift3),
+        (four, w4, zero, zero + 1.0, zero),
     )
+    jacobian, drift = np.zeros((*one.shape, 7, 3, 2)), np.zeros((*one.shape, 7, 3))
+    for b, (first, along_first, own, along_own, *_) in enumerate(machine.bodies):
+        for link, length in ((int(first), along_first), (int(own), along_own)):
+            x1, x4, y1, y4, dx, dy = linkage.arm(length, *links[link])
+            jacobian[..., b, 0, :] += _pair(x1, x4)
+            jacobian[..., b, 1, :] += _pair(y1, y4)
+            drift[..., b, :2] += _pair(dx, dy)
+        _, _, by1, by4, turn = links[int(own)]
+        jacobian[..., b, 2, :] = _pair(by1, by4)
+        drift[..., b, 2] = turn
+    return Motion(jacobian, drift)
 
 
-def _intersection(a: Floats, b: Floats, from_a: float, from_b: float, side: int) -> Floats:
-    """Point at two distances from a and b (..., 2), left (+1) or right (-1) of the line from a to b."""
-    line = b - a
-    square = np.einsum("...i,...i->...", line, line)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        share = 0.5 * (from_a**2 - from_b**2 + square) / square
-        height = np.sqrt(from_a**2 / square - share**2)
-    left = np.stack([-line[..., 1], line[..., 0]], axis=-1)
-    return np.asarray(a + share[..., None] * line + side * height[..., None] * left)
+def equations(cranks: ArrayLike, rates: ArrayLike, machine: FiveBar, mode: int = 1) -> Equations:
+    """``energy.equations`` of one posture, crank angles and rates (2,), in a hundredth of the time."""
+    q, v = np.asarray(cranks, dtype=float), np.asarray(rates, dtype=float)
+    lengths = np.array([*machine.lengths, mode], dtype=float)
+    return Equations(*kernels.five_bar_equations(q, v, lengths, machine.bodies, machine.weight))
 
 
 def _pair(first: Floats, second: Floats) -> Floats:
     return np.stack([first, second], axis=-1)
+
+
+def _intersection(a: Floats, b: Floats, from_a: float, from_b: float, side: int) -> Floats:
+    """``linkage.apex`` of points (..., 2)."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        x, y = linkage.apex(a[..., 0], a[..., 1], b[..., 0], b[..., 1], from_a, from_b, side)
+    return _pair(x, y)
 
 
 def _along(angle: Floats) -> Floats:
