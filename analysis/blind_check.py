@@ -13,18 +13,20 @@ import json
 import os
 import secrets
 import shutil
+import tempfile
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
-
-from joblib import Parallel, delayed
 
 from .blind_machine import REPORT_SEEDS_FROM, case_name, write_case
 from .errors import InputError
 from .files import output_folder, write_whole
+from .workers import each
 
 Diagnose = Callable[[Path, Path], dict[str, Any]]  # log set, output folder -> diagnosis
+Files = dict[str, bytes]  # by name
 Progress = Callable[[str, int, int], None]  # stage, done, total
 
 
@@ -51,6 +53,7 @@ def run(
     cases: int,
     out: Path,
     workers: int = 1,
+    cluster: str | None = None,
     diagnose: Diagnose = instrument,
     progress: Progress = lambda stage, done, total: None,
     sealed: Callable[[str], None] = lambda digest: None,
@@ -59,19 +62,25 @@ def run(
 
     ``sealed`` is called with the digest of ``sealed.json`` before the first diagnosis. A result is
     ``{"diagnosis": ..., "error": None, "seconds": ...}``; an instrument that raises has failed that
-    case, which is scored as such and tried again when the run is repeated.
+    case, which is scored as such and tried again when the run is repeated. ``workers`` and ``cluster`` as in
+    ``workers.each``; workers share no disk with this process, which alone writes into ``out``.
     Raises InputError if ``out`` holds another run or its seal is broken.
     """
     for folder in (out, out / "cases", out / "answers", out / "results"):
         output_folder(folder)
     _refuse_another_run(out, seed, cases)
     names = [case_name(i) for i in range(cases)]
+    share = {"workers": workers, "cluster": cluster}
     missing = [i for i in range(cases) if not (out / "answers" / f"{names[i]}.json").exists()]
-    _each(_write, [(seed, i, out) for i in missing], workers, "write", cases, progress)
+    written = each(_written, ((seed, i) for i in missing), **share)
+    for i, (answer, files) in _told(written, "write", cases, len(missing), progress):
+        _keep_case(out, names[missing[i]], answer, files)
     sealed(seal(out, seed, names))
-    open_cases = [name for name in names if not _finished(out / "results" / f"{name}.json")]
-    todo = [(diagnose, name, out) for name in open_cases]
-    _each(_diagnose, todo, workers, "diagnose", cases, progress)
+    todo = [name for name in names if not _finished(out / "results" / f"{name}.json")]
+    calls = ((diagnose, name, _files(out / "cases" / name)) for name in todo)
+    results = each(_diagnosed, calls, **share)
+    for i, (result, files) in _told(results, "diagnose", cases, len(todo), progress):
+        _keep_result(out, todo[i], result, files)
     broken = verify(out)
     if broken:
         raise InputError(
@@ -106,45 +115,67 @@ def verify(out: Path) -> list[str]:
     ]
 
 
-def _write(seed: int, index: int, out: Path) -> None:
-    name = case_name(index)
+def _written(seed: int, index: int) -> tuple[dict[str, Any], Files]:
+    """Answer and log set of a case; in a worker."""
+    with tempfile.TemporaryDirectory() as folder:
+        directory = Path(folder) / case_name(index)
+        return write_case(seed, index, directory), _files(directory)
+
+
+def _keep_case(out: Path, name: str, answer: dict[str, Any], files: Files) -> None:
     folder, draft = out / "cases" / name, out / "cases" / f".{name}.{os.getpid()}"
-    answer = write_case(seed, index, draft)
+    _put(files, draft)
     shutil.rmtree(folder, ignore_errors=True)
     draft.rename(folder)
-    answer["logs_sha256"] = _digest_logs(folder)
-    content = {"salt": secrets.token_hex(16), "answer": answer}
+    content = {
+        "salt": secrets.token_hex(16),
+        "answer": answer | {"logs_sha256": _digest_logs(folder)},
+    }
     write_whole(out / "answers" / f"{name}.json", json.dumps(content, indent=1) + "\n")
 
 
-def _diagnose(diagnose: Diagnose, name: str, out: Path) -> None:
-    began = time.perf_counter()
-    diagnosis, error = None, None
-    folder = out / "diagnoses" / name
-    folder.mkdir(parents=True, exist_ok=True)
-    try:
-        diagnosis = diagnose(out / "cases" / name, folder)
-    except Exception as raised:  # a crash is a failed case of the check, not the end of it
-        error = f"{type(raised).__name__}: {raised}"
-    seconds = time.perf_counter() - began
-    result = {"diagnosis": diagnosis, "error": error, "seconds": seconds}
+def _diagnosed(diagnose: Diagnose, name: str, logset: Files) -> tuple[dict[str, Any], Files]:
+    """Result of a case and the files the instrument wrote; in a worker."""
+    with tempfile.TemporaryDirectory() as folder:
+        case, written = Path(folder) / name, Path(folder) / "diagnosis"
+        _put(logset, case)
+        written.mkdir()
+        began = time.perf_counter()
+        diagnosis, error = None, None
+        try:
+            diagnosis = diagnose(case, written)
+        except Exception as raised:  # a crash is a failed case of the check, not the end of it
+            error = f"{type(raised).__name__}: {raised}".replace(folder, "")
+        seconds = time.perf_counter() - began
+        return {"diagnosis": diagnosis, "error": error, "seconds": seconds}, _files(written)
+
+
+def _keep_result(out: Path, name: str, result: dict[str, Any], files: Files) -> None:
+    folder = output_folder(out / "diagnoses" / name)
+    for file, content in files.items():
+        write_whole(folder / file, content)
     write_whole(out / "results" / f"{name}.json", json.dumps(result, indent=1) + "\n")
 
 
-def _each(
-    function: Callable[..., None],
-    calls: list[tuple[Any, ...]],
-    workers: int,
-    stage: str,
-    total: int,
-    progress: Progress,
-) -> None:
-    done = total - len(calls)
-    progress(stage, done, total)
-    parallel = Parallel(n_jobs=workers, return_as="generator_unordered")
-    for _ in parallel(delayed(function)(*call) for call in calls):
-        done += 1
-        progress(stage, done, total)
+def _files(folder: Path) -> Files:
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+def _put(files: Files, folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+
+
+def _told(
+    results: Generator[tuple[int, Any]], stage: str, total: int, missing: int, progress: Progress
+) -> Iterator[tuple[int, Any]]:
+    """The results, each announced after it was taken care of."""
+    progress(stage, total - missing, total)
+    with closing(results):
+        for done, result in enumerate(results, total - missing + 1):
+            yield result
+            progress(stage, done, total)
 
 
 def _refuse_another_run(out: Path, seed: int, cases: int) -> None:

@@ -5,12 +5,15 @@ from typing import Annotated
 
 import typer
 
+from .sharing import Cluster, Workers
+
 
 def blind(
     seed: Annotated[int, typer.Option(help="Below 1000 to tune on, from 1000 to report on.")],
     out: Annotated[Path, typer.Option(help="Folder of the run; the same folder resumes it.")],
     cases: Annotated[int, typer.Option(min=1, help="Number of cases; decks of 40.")] = 200,
-    workers: Annotated[int, typer.Option(min=1, help="Processes that write and diagnose.")] = 1,
+    workers: Workers = 1,
+    cluster: Cluster = None,
 ) -> None:
     """Write sealed cases, diagnose them, open the answers and print the score."""
     from rich.console import Console
@@ -35,6 +38,7 @@ def blind(
             cases=cases,
             out=out,
             workers=workers,
+            cluster=cluster,
             progress=lambda stage, done, total: bar.update(tasks[stage], completed=done),
             sealed=announce,
         )

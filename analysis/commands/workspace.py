@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from .sharing import Cluster, Workers
+
 app = typer.Typer(help="Analyse the workspace of a machine.", no_args_is_help=True)
 
 
@@ -17,7 +19,8 @@ def _machines() -> None:
 def pmc(
     out: Annotated[Path, typer.Option(help="Folder for workspace.json, figures and 3-D page.")],
     grid: Annotated[int, typer.Option(min=2, help="Optimisations a side of each surface.")] = 13,
-    workers: Annotated[int, typer.Option(min=1, help="Processes that share the grid.")] = 1,
+    workers: Workers = 1,
+    cluster: Cluster = None,
     design: Annotated[
         bool, typer.Option(help="Optimise the dimensions, too (minutes): design.json and .png.")
     ] = False,
@@ -40,6 +43,7 @@ def pmc(
             folder / ".rows",
             grid=grid,
             workers=workers,
+            cluster=cluster,
             progress=lambda done, total: progress.update(task, completed=done, total=total),
         )
     write_whole(folder / "workspace.json", workspace.dumps(result))

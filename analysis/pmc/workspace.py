@@ -59,6 +59,7 @@ def study(
     *,
     grid: int = 13,
     workers: int = 1,
+    cluster: str | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Study:
     """Work out everything; ``grid`` optimisations a side and surface, resumed from ``folder``."""
@@ -70,7 +71,9 @@ def study(
         for extreme in ("low", "high")
         for x in positions
     ]
-    rows = resumable_map(optimise_row, cases, folder, workers=workers, progress=progress)
+    rows = resumable_map(
+        optimise_row, cases, folder, workers=workers, cluster=cluster, progress=progress
+    )
     turns = {"reachable": None, "half_turn": np.pi, "full_range": 2.0 * np.pi * geometry.turns}
     return Study(
         geometry=geometry,
