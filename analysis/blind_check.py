@@ -17,6 +17,7 @@ import tempfile
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -70,15 +71,15 @@ def run(
         output_folder(folder)
     _refuse_another_run(out, seed, cases)
     names = [case_name(i) for i in range(cases)]
-    share = {"workers": workers, "cluster": cluster}
+    share = partial(each, workers=workers, cluster=cluster)
     missing = [i for i in range(cases) if not (out / "answers" / f"{names[i]}.json").exists()]
-    written = each(_written, ((seed, i) for i in missing), **share)
+    written = share(_written, ((seed, i) for i in missing))
     for i, (answer, files) in _told(written, "write", cases, len(missing), progress):
         _keep_case(out, names[missing[i]], answer, files)
     sealed(seal(out, seed, names))
     todo = [name for name in names if not _finished(out / "results" / f"{name}.json")]
     calls = ((diagnose, name, _files(out / "cases" / name)) for name in todo)
-    results = each(_diagnosed, calls, **share)
+    results = share(_diagnosed, calls)
     for i, (result, files) in _told(results, "diagnose", cases, len(todo), progress):
         _keep_result(out, todo[i], result, files)
     broken = verify(out)
