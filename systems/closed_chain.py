@@ -1,42 +1,31 @@
-r"""A closed chain as a tree MultibodyPlant, projected on the motions that keep its ball closures shut.
+r"""A closed chain as a tree MultibodyPlant, projected on the motions that keep its closures shut.
 
 With closure Jacobian J and driven rates u: :math:`v = N u + ..., J N = 0`, and
-:math:`N^T (M \dot v + C v - \tau_g) = f`. The oracle of ``models.parallel``: it shares no equation with it.
+:math:`N^T (M \dot v + C v - \tau_g) = f`. The oracle of ``models.parallel``, which shares no equation with it, and
+the way to treat any machine that has no closed form. Redundant closures are allowed.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydrake.math import RigidTransform
+from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import (
+    BallRpyJoint,
+    FixedOffsetFrame,
     JacobianWrtVariable,
     PrismaticJoint,
     RevoluteJoint,
-    RigidBody,
     RotationalInertia,
     SpatialInertia,
 )
 
-from .closures import Closure
+from ..models.closure import Closure
+from ..models.parallel.bodies import BodyMotion
+from ..models.parallel.chain import Chain, Link
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Link:
-    """A body on a joint at ``at`` of its parent; its frame lies in the joint, parallel to W at zero."""
-
-    name: str
-    parent: str  # "world" or an earlier link
-    kind: str  # "revolute" about z or "prismatic" along x
-    at: tuple[float, float] = (0.0, 0.0)  # in the parent's frame [m]
-    mass: float = 0.0  # [kg]
-    centre: float = 0.0  # along x of the link [m]
-    inertia: float = 0.0  # about the centre, z [kg m^2]
-    direction: float = 1.0  # sign of the joint coordinate
 
 
 @dataclass(frozen=True)
@@ -45,120 +34,174 @@ class Projection:
 
     matrix: Floats  # (n, n)
     bias: Floats  # (n,)
-    rank: int  # of the closure Jacobian, three rows a closure
+    rank: int  # of the closure Jacobian
+    rows: int  # of the closure Jacobian: 3 a ball, 6 a weld
 
 
 class ClosedChain:
-    """Projected plant of planar links in x, y with gravity ``weight`` along -y [m/s^2]."""
+    """Projected plant of a chain."""
 
-    def __init__(
-        self,
-        links: Sequence[Link],
-        closures: Sequence[Closure],
-        driven: Sequence[str],
-        weight: float,
-    ) -> None:
-        self.plant, self.closures = MultibodyPlant(0.0), tuple(closures)
-        for link in links:
+    def __init__(self, chain: Chain) -> None:
+        self.chain, self.plant = chain, MultibodyPlant(0.0)
+        for link in chain.links:
             _add(self.plant, link)
-        self.plant.mutable_gravity_field().set_gravity_vector([0.0, -weight, 0.0])
+        self.plant.mutable_gravity_field().set_gravity_vector(chain.gravity)
         self.plant.Finalize()
         self.context = self.plant.CreateDefaultContext()
-        self.driven = [self.plant.GetJointByName(name).velocity_start() for name in driven]
+        self.driven = [self._joint(name).velocity_start() for name in chain.driven]
         self.passive = [i for i in range(self.plant.num_velocities()) if i not in self.driven]
+        self._driven_positions = [self._joint(name).position_start() for name in chain.driven]
+
+    def home(self) -> Floats:
+        """Coordinates (num_positions,) of the plant near a closed posture."""
+        out, start = np.zeros(self.plant.num_positions()), 0
+        for link in self.chain.links:
+            joint = self._joint(link.name)
+            first, size = joint.position_start(), joint.num_positions()
+            out[first : first + size] = self.chain.home[start : start + size]
+            start += size
+        return out
+
+    def close(self, driven: ArrayLike, near: ArrayLike | None = None) -> Floats:
+        """Coordinates that close all loops at driven positions (n,), followed from ``near`` (default: home).
+
+        Raises ValueError where the loops do not close.
+        """
+        target = np.asarray(driven, dtype=float)
+        at = self.home() if near is None else np.array(near, dtype=float)
+        start = at[self._driven_positions]
+        pieces = max(1, int(np.ceil(np.abs(target - start).max() / 0.1)))
+        for share in np.linspace(0.0, 1.0, pieces + 1)[1:] if near is None else (1.0,):
+            at[self._driven_positions] = start + share * (target - start)
+            at = self._shut(at)
+        return at
 
     def project(self, coordinates: ArrayLike, rates: ArrayLike) -> Projection:
-        """Equations at joint coordinates (num_positions,), in order of links, and driven rates (n,)."""
+        """Equations at coordinates (num_positions,) of the plant and driven rates (n,)."""
+        plant, context = self.plant, self.context
+        n, drift, rows = self._constrain(coordinates, rates)
+        mass = plant.CalcMassMatrix(context)
+        load = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
+        return Projection(
+            n.T @ mass @ n,
+            n.T @ (mass @ drift + load),
+            int(np.linalg.matrix_rank(rows)),
+            rows.shape[0],
+        )
+
+    def motion(self, coordinates: ArrayLike, rates: ArrayLike) -> BodyMotion:
+        """Motion of all links' frames, in their own axes and order, for the regressor of ``bodies``."""
+        n, drift, _ = self._constrain(coordinates, rates)
+        gravity = np.array(self.chain.gravity)
+        jacobians, drifts, spins, pulls = [], [], [], []
+        for link in self.chain.links:
+            frame = self.plant.GetFrameByName(link.name)
+            into = frame.CalcPoseInWorld(self.context).rotation().matrix().T
+            whole = self._spatial(link.name, np.zeros(3))
+            bias = self._spatial_bias(link.name, np.zeros(3)) + whole @ drift
+            turn = [into @ part for part in np.split(whole @ n, 2)]
+            rotational, translational = (into @ part for part in np.split(bias, 2))
+            jacobians.append(np.vstack([turn[1], turn[0]]))
+            drifts.append(np.concatenate([translational, rotational]))
+            spins.append(turn[0] @ np.asarray(rates, dtype=float))
+            pulls.append(into @ gravity)
+        return BodyMotion(*(np.stack(part) for part in (jacobians, drifts, spins, pulls)))
+
+    def gap(self) -> float:
+        """Largest distance between the sides of a closure [m], at the last posture."""
+        return float(max(np.abs(self._offset(c)).max() for c in self.chain.closures))
+
+    def _constrain(self, coordinates: ArrayLike, rates: ArrayLike) -> tuple[Floats, Floats, Floats]:
+        """N, the drift of v and the closure Jacobian; sets the context's state."""
         plant, context = self.plant, self.context
         plant.SetPositions(context, np.asarray(coordinates, dtype=float))
         rows = self._rows()
-        into_passive = -np.linalg.pinv(rows[:, self.passive])
+        # Redundant rows leave singular values of rounding size.
+        into_passive = -np.linalg.pinv(rows[:, self.passive], rcond=1e-10)
         n = np.zeros((plant.num_velocities(), len(self.driven)))
         n[self.driven] = np.eye(len(self.driven))
         n[self.passive] = into_passive @ rows[:, self.driven]
         plant.SetVelocities(context, n @ np.asarray(rates, dtype=float))
         drift = np.zeros(plant.num_velocities())
         drift[self.passive] = into_passive @ self._bias()
-        mass = plant.CalcMassMatrix(context)
-        load = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
-        return Projection(
-            n.T @ mass @ n, n.T @ (mass @ drift + load), int(np.linalg.matrix_rank(rows))
-        )
+        return n, drift, rows
 
-    def gap(self) -> float:
-        """Largest distance between the sides of a closure [m], at the last projected posture."""
-        plant, gaps = self.plant, []
-        for c in self.closures:
-            a, b = (
-                plant.EvalBodyPoseInWorld(self.context, plant.GetBodyByName(body)) @ np.array(p)
-                for body, p in ((c.body_a, c.p_a), (c.body_b, c.p_b))
+    def _shut(self, coordinates: Floats) -> Floats:
+        plant, context = self.plant, self.context
+        for _ in range(30):
+            plant.SetPositions(context, coordinates)
+            gap = np.concatenate([self._offset(c) for c in self.chain.closures])
+            if np.abs(gap).max() < 1e-13:
+                break
+            step = np.zeros(plant.num_velocities())
+            step[self.passive] = -np.linalg.pinv(self._rows()[:, self.passive], rcond=1e-10) @ gap
+            coordinates = coordinates + plant.MapVelocityToQDot(context, step)
+        if np.abs(gap).max() > 1e-11:
+            raise ValueError(
+                f"the loops of {self.chain.name} do not close at "
+                f"{coordinates[self._driven_positions].tolist()}; expected positions within reach"
             )
-            gaps.append(np.linalg.norm(a - b))
-        return float(max(gaps))
+        return coordinates
+
+    def _offset(self, closure: Closure) -> Floats:
+        a, b = (
+            self.plant.EvalBodyPoseInWorld(self.context, self.plant.GetBodyByName(body))
+            for body in (closure.body_a, closure.body_b)
+        )
+        apart = a @ np.array(closure.p_a) - b @ np.array(closure.p_b)
+        if closure.type == "ball":
+            return np.asarray(apart)
+        turned = RollPitchYaw(a.rotation() @ b.rotation().inverse()).vector()
+        return np.concatenate([turned, apart])
 
     def _rows(self) -> Floats:
-        return np.vstack(
-            [self._row(c.body_a, c.p_a) - self._row(c.body_b, c.p_b) for c in self.closures]
-        )
+        return np.vstack([self._difference(c, self._spatial) for c in self.chain.closures])
 
     def _bias(self) -> Floats:
         return np.concatenate(
-            [self._drift(c.body_a, c.p_a) - self._drift(c.body_b, c.p_b) for c in self.closures]
+            [self._difference(c, self._spatial_bias) for c in self.chain.closures]
         )
 
-    def _row(self, body: str, point: tuple[float, float, float]) -> Floats:
+    def _difference(self, closure: Closure, of) -> Floats:  # type: ignore[no-untyped-def]
+        between = of(closure.body_a, np.array(closure.p_a)) - of(
+            closure.body_b, np.array(closure.p_b)
+        )
+        return np.asarray(between[3:] if closure.type == "ball" else between)
+
+    def _spatial(self, body: str, point: Floats) -> Floats:
         world, frame = self.plant.world_frame(), self.plant.GetFrameByName(body)
-        kind, at = JacobianWrtVariable.kV, np.array(point)
         return np.asarray(
-            self.plant.CalcJacobianTranslationalVelocity(
-                self.context, kind, frame, at, world, world
+            self.plant.CalcJacobianSpatialVelocity(
+                self.context, JacobianWrtVariable.kV, frame, point, world, world
             )
         )
 
-    def _drift(self, body: str, point: tuple[float, float, float]) -> Floats:
+    def _spatial_bias(self, body: str, point: Floats) -> Floats:
         world, frame = self.plant.world_frame(), self.plant.GetFrameByName(body)
-        kind, at = JacobianWrtVariable.kV, np.array(point)
-        return np.asarray(
-            self.plant.CalcBiasTranslationalAcceleration(
-                self.context, kind, frame, at, world, world
-            )
-        ).ravel()
+        bias = self.plant.CalcBiasSpatialAcceleration(
+            self.context, JacobianWrtVariable.kV, frame, point, world, world
+        )
+        return np.asarray(bias.get_coeffs())
+
+    def _joint(self, name: str):  # type: ignore[no-untyped-def]
+        return self.plant.GetJointByName(name)
 
 
-def _add(plant: MultibodyPlant, link: Link) -> RigidBody:
-    centre = np.array([link.centre, 0.0, 0.0])
-    # Only izz enters planar motion; the other moments make the inertia a valid one.
-    moment = max(link.inertia, 1e-12)
-    about_centre = RotationalInertia(moment, moment, moment)
+def _add(plant: MultibodyPlant, link: Link) -> None:
+    massive = link.mass > 0.0 or any(link.inertia)
+    tensor = RotationalInertia(*link.inertia)
     inertia = (
-        SpatialInertia.MakeFromCentralInertia(link.mass, centre, about_centre)
-        if link.mass > 0.0 or link.inertia > 0.0
+        SpatialInertia.MakeFromCentralInertia(link.mass, np.array(link.centre), tensor)
+        if massive
         else SpatialInertia.Zero()
     )
     body = plant.AddRigidBody(link.name, inertia)
     parent = plant.GetFrameByName(link.parent)
-    offset = RigidTransform([*link.at, 0.0])
-    if link.kind == "revolute":
-        axis = [0.0, 0.0, link.direction]
-        joint = RevoluteJoint(
-            link.name,
-            plant.AddFrame(_offset_frame(link.name, parent, offset)),
-            body.body_frame(),
-            axis,
-        )
-    else:
-        axis = [link.direction, 0.0, 0.0]
-        joint = PrismaticJoint(
-            link.name,
-            plant.AddFrame(_offset_frame(link.name, parent, offset)),
-            body.body_frame(),
-            axis,
-        )
-    plant.AddJoint(joint)
-    return body
-
-
-def _offset_frame(name, parent, offset):  # type: ignore[no-untyped-def]
-    from pydrake.multibody.tree import FixedOffsetFrame
-
-    return FixedOffsetFrame(f"{name}_joint", parent, offset)
+    frame = plant.AddFrame(
+        FixedOffsetFrame(f"{link.name}_joint", parent, RigidTransform(np.array(link.at)))
+    )
+    if link.kind == "ball":
+        plant.AddJoint(BallRpyJoint(link.name, frame, body.body_frame()))
+        return
+    kind = RevoluteJoint if link.kind == "revolute" else PrismaticJoint
+    plant.AddJoint(kind(link.name, frame, body.body_frame(), np.array(link.axis)))

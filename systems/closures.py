@@ -4,7 +4,6 @@ A closures file is a YAML list of ``{type: weld | ball, body_a, body_b, p_a, p_b
 optionally, where on them the closure sits [m, in the body's frame]. Welded frames stay parallel to their bodies.
 """
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,22 +13,9 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
-Point = tuple[float, float, float]
+from ..models.closure import Closure
 
-
-@dataclass(frozen=True, kw_only=True)
-class Closure:
-    """One closure. Raises ValueError for an unknown type."""
-
-    type: str
-    body_a: str
-    body_b: str
-    p_a: Point = (0.0, 0.0, 0.0)  # in the frame of body a [m]
-    p_b: Point = (0.0, 0.0, 0.0)  # in the frame of body b [m]
-
-    def __post_init__(self) -> None:
-        if self.type not in ("weld", "ball"):
-            raise ValueError(f"closure type is {self.type!r}; expected weld or ball")
+__all__ = ["Closure", "apply", "load"]
 
 
 def load(path: Path) -> list[Closure]:

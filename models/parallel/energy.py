@@ -1,10 +1,11 @@
 r"""Energy equivalence: equations of motion of a closed chain from its bodies (Roldan, eq. 3.37).
 
-.. math:: f = \sum_b J_b^T (M_b \ddot q_b + g_b), \qquad \ddot q_b = J_b \ddot q + \dot J_b \dot q
+.. math:: f = \sum_b J_b^T (M_b \ddot q_b + c_b + g_b), \qquad \ddot q_b = J_b \ddot q + \dot J_b \dot q
 
-so that :math:`I = \sum J_b^T M_b J_b,\ C = \sum J_b^T M_b \dot J_b \dot q,\ G = \sum J_b^T g_b`. The velocity term
-has :math:`M_b \dot J_b`, as in (4.20); (4.4) and (4.6) are misprinted. Planar bodies only: mass, moment of
-inertia about the centre of mass, rows (x, y, angle). Rigid, without friction. Leading axes are a batch.
+so that :math:`I = \sum J_b^T M_b J_b,\ C = \sum J_b^T (M_b \dot J_b \dot q + c_b),\ G = \sum J_b^T g_b`. The velocity
+term has :math:`M_b \dot J_b`, as in (4.20); (4.4) and (4.6) are misprinted. Planar bodies have rows (x, y, angle)
+and :math:`c_b = 0`; spatial ones have rows (x, y, z, w), with the angular velocity w in the body's own axes, whose
+:math:`c_b = w \times I w` is the Boltzmann-Hamel term (3.64). Rigid, without friction. Leading axes are a batch.
 """
 
 from typing import NamedTuple
@@ -13,15 +14,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import kernels
+from .rotation import body_moment, inertia_tensor, tensor_columns
 
 Floats = NDArray[np.float64]
 
 
 class Motion(NamedTuple):
-    """Motion of all bodies' centres in the actuated coordinates; drift is Jdot times the rates."""
+    """Motion of planar bodies' centres in the actuated coordinates; drift is Jdot times the rates."""
 
     jacobian: Floats  # (..., bodies, 3, n), rows x [m], y [m], angle [rad]
     drift: Floats  # (..., bodies, 3) [m/s^2, m/s^2, rad/s^2]
+
+
+class SpatialMotion(NamedTuple):
+    """Motion of spatial bodies' centres (world axes) and angular velocities (axes of each body)."""
+
+    jacobian: Floats  # (..., bodies, 6, n), rows x, y, z [m], w [rad]
+    drift: Floats  # (..., bodies, 6) [m/s^2, rad/s^2]
+    spin: Floats  # w (..., bodies, 3) [rad/s]
 
 
 class Equations(NamedTuple):
@@ -48,12 +58,61 @@ def equations(motion: Motion, mass: ArrayLike, inertia: ArrayLike, weight: float
     m, i = np.asarray(mass, dtype=float), np.asarray(inertia, dtype=float)
     diagonal = np.stack([m, m, i], axis=-1)
     pulled = np.stack([0.0 * m, m * weight, 0.0 * m], axis=-1)
-    j = motion.jacobian
-    batch, n = j.shape[:-3], j.shape[-1]
+    return _project(motion.jacobian, motion.drift, diagonal, pulled)
+
+
+def spatial_equations(
+    motion: SpatialMotion, mass: ArrayLike, inertia: ArrayLike, weight: float
+) -> Equations:
+    """As ``equations``; inertias (bodies, 6) xx, yy, zz, xy, xz, yz in each body's axes; gravity along -z."""
+    m = np.asarray(mass, dtype=float)
+    moments, axes = np.linalg.eigh(inertia_tensor(inertia))
+    into = np.swapaxes(axes, -1, -2)  # principal axes, in which the mass matrix is diagonal
+    j, drift = motion.jacobian.copy(), motion.drift.copy()
+    j[..., 3:, :] = into @ j[..., 3:, :]
+    drift[..., 3:] = np.einsum("bij,...bj->...bi", into, drift[..., 3:])
+    spin = np.einsum("bij,...bj->...bi", into, motion.spin)
+    diagonal = np.concatenate([np.repeat(m[:, None], 3, axis=1), moments], axis=1)
+    pulled = np.zeros((m.size, 6))
+    pulled[:, 2] = m * weight
+    found = _project(j, drift, diagonal, pulled)
+    turning = body_moment(spin, np.zeros(3), moments[:, :, None] * np.eye(3))
+    gyroscopic = np.einsum("...bki,...bk->...i", j[..., 3:, :], turning)
+    return found._replace(velocity=found.velocity + gyroscopic)
+
+
+def regressor(motion: Motion, acceleration: ArrayLike, weight: float) -> Floats:
+    """K (..., n, 2 bodies) of f = K (m_1 .. m_B, I_1 .. I_B), eqs. (6.5)-(6.8)."""
+    j, second = motion.jacobian, _second(motion, acceleration)
+    second = second + np.array([0.0, weight, 0.0])
+    by_mass = np.einsum("...bki,...bk->...ib", j[..., :2, :], second[..., :2])
+    by_inertia = np.einsum("...bi,...b->...ib", j[..., 2, :], second[..., 2])
+    return np.concatenate([by_mass, by_inertia], axis=-1)
+
+
+def spatial_regressor(motion: SpatialMotion, acceleration: ArrayLike, weight: float) -> Floats:
+    """K (..., n, 7 bodies) of f = K (m_1 .. m_B, then xx, yy, zz, xy, xz, yz of each body)."""
+    j, second = motion.jacobian, _second(motion, acceleration)
+    linear = second[..., :3] + np.array([0.0, 0.0, weight])
+    by_mass = np.einsum("...bki,...bk->...ib", j[..., :3, :], linear)
+    columns = tensor_columns(motion.spin, second[..., 3:])
+    by_inertia = np.einsum("...bki,...bkp->...ibp", j[..., 3:, :], columns)
+    flat = by_inertia.reshape(*by_inertia.shape[:-2], -1)
+    return np.concatenate([by_mass, flat], axis=-1)
+
+
+def _second(motion: Motion | SpatialMotion, acceleration: ArrayLike) -> Floats:
+    a = np.asarray(acceleration, dtype=float)
+    return np.asarray(np.einsum("...bki,...i->...bk", motion.jacobian, a) + motion.drift)
+
+
+def _project(jacobian: Floats, drift: Floats, diagonal: Floats, pulled: Floats) -> Equations:
+    """Sum (3.37) over bodies with diagonal masses and pulls (bodies, rows), for a batch."""
+    batch, n = jacobian.shape[:-3], jacobian.shape[-1]
     result = Equations(np.empty((*batch, n, n)), np.empty((*batch, n)), np.empty((*batch, n)))
     kernels.project_all(
-        np.ascontiguousarray(j).reshape(-1, *j.shape[-3:]),
-        np.ascontiguousarray(motion.drift).reshape(-1, *j.shape[-3:-1]),
+        np.ascontiguousarray(jacobian).reshape(-1, *jacobian.shape[-3:]),
+        np.ascontiguousarray(drift).reshape(-1, *jacobian.shape[-3:-1]),
         diagonal,
         pulled,
         result.inertia.reshape(-1, n, n),
@@ -61,13 +120,3 @@ def equations(motion: Motion, mass: ArrayLike, inertia: ArrayLike, weight: float
         result.gravity.reshape(-1, n),
     )
     return result
-
-
-def regressor(motion: Motion, acceleration: ArrayLike, weight: float) -> Floats:
-    """K (..., n, 2 bodies) of f = K (m_1 .. m_B, I_1 .. I_B), eqs. (6.5)-(6.8)."""
-    j, a = motion.jacobian, np.asarray(acceleration, dtype=float)
-    second = np.einsum("...bki,...i->...bk", j, a) + motion.drift
-    second = second + np.array([0.0, weight, 0.0])
-    by_mass = np.einsum("...bki,...bk->...ib", j[..., :2, :], second[..., :2])
-    by_inertia = np.einsum("...bi,...b->...ib", j[..., 2, :], second[..., 2])
-    return np.concatenate([by_mass, by_inertia], axis=-1)

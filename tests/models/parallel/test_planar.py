@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gapscope.models.parallel import energy, five_bar, two_prr
+from gapscope.models.parallel import chains, energy, five_bar, two_prr
 from gapscope.models.parallel.five_bar import FiveBar
 from gapscope.models.parallel.replalink import REPLALINK
 from gapscope.models.parallel.two_prr import TwoPRR
-from gapscope.systems.closed_chain import ClosedChain, Link
-from gapscope.systems.closures import Closure
+from gapscope.systems.closed_chain import ClosedChain
 
 # Gravity on, so that the oracle sees it.
 FIVE = [replace(FiveBar(), rotors=(0.02, 0.03), weight=9.81), replace(REPLALINK, weight=9.81)]
@@ -45,81 +44,19 @@ MACHINES = ("5r", "replalink", "2prr")
 
 
 def chain_of(name):
-    """Tree plant of a machine and the map from actuated coordinates to its joints."""
-    if name == "2prr":
-        m = PRR
-        i3, i4, i5 = m.bar_inertias
-        m1, m2, m3, m4, m5, m6 = m.masses
-        # The platform is modelled with its parallelogram, so nothing keeps it level but bars 3 and 4.
-        links = [
-            Link("slider1", "world", "prismatic", mass=m1, inertia=0.1),
-            Link("bar3", "slider1", "revolute", mass=m3, centre=m.bar / 2, inertia=i3),
-            Link("platform", "bar3", "revolute", (m.bar, 0.0), mass=m6, inertia=0.1),
-            Link("bar4", "slider1", "revolute", (m.offset, 0.0), m4, m.bar / 2, i4),
-            Link("slider2", "world", "prismatic", (m.span, 0.0), m2, 0.0, 0.1, -1.0),
-            Link("bar5", "slider2", "revolute", mass=m5, centre=m.bar / 2, inertia=i5),
-        ]
-        tip, joint = (m.bar, 0.0, 0.0), (m.offset, 0.0, 0.0)
-        shut = [
-            Closure(type="ball", body_a=bar, body_b="platform", p_a=tip, p_b=joint)
-            for bar in ("bar4", "bar5")
-        ]
-
-        def coordinates(q):
-            alpha = float(two_prr.slope(q, m))
-            return [q[0], -alpha, alpha, -alpha, q[1], np.pi + alpha]
-
-        names = ("slider1", "bar3", "platform", "bar4", "slider2", "bar5")
-        driven, weight = ("slider1", "slider2"), m.weight
-    else:
-        m = FIVE[name == "replalink"]
-        m1, m2, m3, m4, m5 = m.masses
-        i1, i2, i3, i4 = m.inertias
-        r1, r2, r3, r4 = m.centres
-        half = 0.5 * m.base
-        links = [
-            Link("crank1", "world", "revolute", (-half, 0.0), m1, r1, i1 + m.rotors[0]),
-            Link("rod2", "crank1", "revolute", (m.crank1, 0.0), m2, r2, i2),
-            Link("tool", "rod2", "revolute", (m.tool, 0.0), m5),
-            Link("crank4", "world", "revolute", (half, 0.0), m4, r4, i4 + m.rotors[1]),
-            Link("rod3", "crank4", "revolute", (m.crank4, 0.0), m3, r3, i3),
-        ]
-        shut = [
-            Closure(
-                type="ball",
-                body_a="rod2",
-                body_b="rod3",
-                p_a=(m.rod2, 0.0, 0.0),
-                p_b=(m.rod3, 0.0, 0.0),
-            )
-        ]
-
-        def coordinates(q):
-            at = five_bar.forward(q, m)
-            # The tool is a point mass: how its frame is turned does not matter.
-            return [q[0], at.angle2 - q[0], 0.0, q[1], at.angle3 - q[1]]
-
-        names = ("crank1", "rod2", "tool", "crank4", "rod3")
-        driven, weight = ("crank1", "crank4"), m.weight
-    chain = ClosedChain(links, shut, driven, weight)
-
-    def positions(q):
-        p = np.zeros(chain.plant.num_positions())
-        for joint_name, value in zip(names, coordinates(q)):
-            p[chain.plant.GetJointByName(joint_name).position_start()] = value
-        return p
-
-    return chain, positions
+    """Tree plant of a machine with its closures."""
+    chain = chains.two_prr(PRR) if name == "2prr" else chains.five_bar(FIVE[name == "replalink"])
+    return ClosedChain(chain)
 
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_accelerations_are_those_of_the_plant_with_closures(name):
     law, posture, mass, inertia, weight = case(name)
-    chain, positions = chain_of(name)
+    chain = chain_of(name)
     force = np.array([30.0, -20.0])
     for unit, v, _ in zip(*samples()):
         q = posture(unit)
-        plant = chain.project(positions(q), v)
+        plant = chain.project(chain.close(q), v)
         assert chain.gap() < 1e-12
         assert plant.rank == (4 if name == "2prr" else 2)
         expected = np.linalg.solve(plant.matrix, force - plant.bias)
