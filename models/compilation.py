@@ -55,7 +55,8 @@ def kernel(function: Callable[..., Any]) -> Any:
 
 @cache
 def _register(law: Callable[..., Any]) -> None:
-    register_jitable(error_model="numpy")(law)
+    # Inlined, a law takes the arrays of a plant where they are; as a call it would copy them all.
+    register_jitable(error_model="numpy", forceinline=True)(law)
 
 
 @cache

@@ -122,12 +122,16 @@ def acceleration(
         if drive.element[i, STIFFNESS] == 0.0 and (
             drive.element[i, FORWARD] != 0.0 or drive.element[i, BACKWARD] != 0.0
         ):
-            force += friction.dry(
+            peak = 0.0 * speed
+            if drive.element[i, BREAKAWAY] != 0.0:
+                peak = friction.stribeck_peak(
+                    speed, drive.element[i, BREAKAWAY], drive.element[i, STRIBECK_SPEED]
+                )
+            force += friction.sliding(
                 speed,
                 drive.element[i, FORWARD],
                 drive.element[i, BACKWARD],
-                drive.element[i, BREAKAWAY],
-                drive.element[i, STRIBECK_SPEED],
+                peak,
                 drive.element[i, WIDTH],
             )
         if drive.element[i, FADE] != 0.0:

@@ -50,10 +50,20 @@ def dry(
     has on top of them at standstill, and ``stribeck_speed`` how fast that decays. With equal levels
     and no breakaway this is the smoothed Coulomb law of eq. (2.6c).
     """
+    return sliding(v, forward, backward, stribeck_peak(v, breakaway, stribeck_speed), width)
+
+
+def sliding(v: Scalar, forward: Scalar, backward: Scalar, peak: Scalar, width: Scalar) -> Scalar:
+    """Dry friction of two levels, both raised by ``peak``: ``dry`` where the peak is known."""
     step = smooth_sign(v, width)
-    ratio = v / stribeck_speed
-    mean = 0.5 * (forward + backward) + breakaway * np.exp(-ratio * ratio)
+    mean = 0.5 * (forward + backward) + peak
     return mean * step + 0.5 * (forward - backward) * step * step
+
+
+def stribeck_peak(v: Scalar, breakaway: Scalar, stribeck_speed: Scalar) -> Scalar:
+    """What the level at speed ``v`` has on top of that at high speed, (4)."""
+    ratio = v / stribeck_speed
+    return breakaway * np.exp(-ratio * ratio)
 
 
 def bristle_rate(v: Scalar, deflection: Scalar, stiffness: Scalar, level: Scalar) -> Scalar:

@@ -80,7 +80,15 @@ def DrivePlant_(T: Any) -> Any:
             )
             if T is not float:
                 element[:, drive_law.STIFFNESS] = 0.0
-                _never_zero(element, (drive_law.FORWARD, drive_law.BACKWARD, drive_law.FADE))
+                _never_zero(
+                    element,
+                    (
+                        drive_law.FORWARD,
+                        drive_law.BACKWARD,
+                        drive_law.BREAKAWAY,
+                        drive_law.FADE,
+                    ),
+                )
                 _never_zero(
                     load,
                     (
