@@ -4,7 +4,6 @@ log set -> align clocks -> noise floor -> retuned nominal -> localise -> attribu
 shrinkage on held-out runs. The result is data; ``report`` and the command line only show it.
 """
 
-import hashlib
 import json
 import platform
 import time
@@ -26,7 +25,7 @@ from .floor import NO_CYCLES
 from .hypothesis import Fit, Hypothesis
 from .inverse_model import Structure
 from .location import locate
-from .logset import FILE, LogSet, load_logset
+from .logset import LogSet, load_logset
 from .machine import Array, Machine, RunData, rms
 from .machines import read_machine, stated_encoder_step
 from .shrinkage import Shrinkage, shrinkage
@@ -261,6 +260,7 @@ def _warnings(
         for check in replays
         if not check.faithful
     ]
+    warnings.extend(log.notes)
     if not log.validate:
         warnings.append(
             f"No run is marked validate: the last {100 * HELD_BACK:.0f} % of every run were held "
@@ -350,15 +350,12 @@ def _shrinkage_json(s: Shrinkage, loops: dict[str, Any]) -> dict[str, Any]:
 
 
 def _provenance(log: LogSet, seed: int, simulations: int, seconds: float) -> dict[str, Any]:
-    digest = hashlib.sha256()
-    for name in (FILE, *sorted({run.name for run in log.runs})):
-        digest.update((log.folder / name).read_bytes())
     return {
         "gapscope": version("gapscope"),
         "python": platform.python_version(),
         "numpy": np.__version__,
         "logset": log.name,
-        "sha256": digest.hexdigest(),
+        "sha256": log.sha256(),
         "seed": seed,
         "simulations": simulations,
         "seconds": seconds,

@@ -4,9 +4,9 @@ Reading is strict. A file that cannot be used ends in one ``InputError`` that na
 key, column or row, and says what to do. The key ``answer`` of labelled sets is dropped unread.
 """
 
-import gzip
+import hashlib
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ import yaml
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .sampling import Piece, read_pieces
 
 FILE = "logset.yaml"
 TOP_KEYS = frozenset(
@@ -30,13 +31,15 @@ TOP_KEYS = frozenset(
         "controllers",
         "sample_time_s",
         "columns",
+        "resample",
+        "remarks",
         "runs",
         "published",
         "answer",
     ]
 )
-SHORTEST_RUN = 100  # samples; less than this says nothing about a machine
-JITTER_LIMIT = 0.1  # largest deviation of a sample from the uniform clock, in sample times
+
+Read = Callable[[str, list[str], float, bool], list[Piece]]  # file, columns, dt, resample
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +51,7 @@ class Run:
     controller: str  # id in LogSet.controllers
     columns: Mapping[str, NDArray[np.float64]]
     settings: Mapping[str, Any] = field(default_factory=dict)  # motion, rate_Hz, ...
+    file: Path | None = None  # that holds it, None for tables in memory
 
     @property
     def samples(self) -> int:
@@ -72,6 +76,19 @@ class LogSet:
     units: Mapping[str, str]
     remarks: Mapping[str, str]  # text of each column as written, with what follows the unit
     runs: tuple[Run, ...]
+    notes: tuple[str, ...] = ()  # what the reader of a diagnosis must know: resampling, stretches
+
+    def sha256(self) -> str:
+        """Hash of the description and all tables."""
+        digest = hashlib.sha256()
+        files = {path for run in self.runs for path in _files(run.file)}
+        for path in (*_files(self.folder / FILE), *sorted(files)):
+            with open(path, "rb") as stream:
+                digest.update(hashlib.file_digest(stream, "sha256").digest())
+        for run in self.runs:
+            if run.file is None:
+                digest.update(run.stack(*run.columns).tobytes())
+        return digest.hexdigest()
 
     @property
     def fit(self) -> tuple[Run, ...]:
@@ -95,7 +112,38 @@ def load_logset(folder: str | Path) -> LogSet:
             f"a folder with a file {FILE}",
             "See `gapscope diagnose --help`.",
         )
-    document = _read_yaml(description)
+    return _logset(_read_yaml(description), description, _from_disk(description))
+
+
+def logset_from_frames(
+    description: Mapping[str, Any], frames: Mapping[str, Mapping[str, Any]]
+) -> LogSet:
+    """Log set of tables in memory: pandas DataFrames, or anything with columns by name.
+
+    ``description`` has the keys of ``logset.yaml``; ``file`` of a run is a key of ``frames``. Raises
+    InputError as ``load_logset`` does.
+    """
+    where = Path("description")
+    return _logset(_checked(dict(description), where), where, _from_memory(frames))
+
+
+def _from_disk(description: Path) -> Read:
+    def read(file: str, names: list[str], dt: float, resample: bool) -> list[Piece]:
+        return read_pieces(description.parent / file, names, dt, resample=resample)
+
+    return read
+
+
+def _from_memory(frames: Mapping[str, Mapping[str, Any]]) -> Read:
+    def read(file: str, names: list[str], dt: float, resample: bool) -> list[Piece]:
+        if file not in frames:
+            raise InputError("frames", f"no table {file!r}", f"one of {', '.join(frames)}")
+        return read_pieces(Path(file), names, dt, resample=resample, table=frames[file])
+
+    return read
+
+
+def _logset(document: dict[str, Any], description: Path, read: Read) -> LogSet:
     system = _mapping(document, "system", description)
     kind = system.get("kind")
     if not isinstance(kind, str):
@@ -108,10 +156,17 @@ def load_logset(folder: str | Path) -> LogSet:
     entries = document.get("runs")
     if not isinstance(entries, list) or not entries:
         raise InputError(description, "runs is missing or empty", "a list of runs")
-    runs = tuple(
-        _run(i, entry, description, units, controllers, float(dt))
-        for i, entry in enumerate(entries)
-    )
+    notes = _remarks(document, description)
+    resample = _resample(document, description)
+
+    def runs_of() -> Iterator[Run]:
+        for i, entry in enumerate(entries):
+            file, settings = _entry(i, entry, description, controllers)
+            for piece in read(file, list(units), float(dt), resample):
+                notes.extend(piece.notes)
+                yield _run(piece, settings)
+
+    runs = tuple(runs_of())
     if not any(run.use == "fit" for run in runs):
         raise InputError(description, "no run has use: fit", "at least one run to fit to")
     return LogSet(
@@ -124,7 +179,29 @@ def load_logset(folder: str | Path) -> LogSet:
         units=units,
         remarks={str(name): str(text) for name, text in document["columns"].items()},
         runs=runs,
+        notes=tuple(notes),
     )
+
+
+def _files(path: Path | None) -> list[Path]:
+    """The file, or those of a folder that is one recording."""
+    if path is None or not path.exists():
+        return []
+    return sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+
+
+def _remarks(document: Mapping[str, Any], path: Path) -> list[str]:
+    remarks = document.get("remarks", [])
+    if not isinstance(remarks, list):
+        raise InputError(path, f"remarks is {str(remarks)[:60]!r}", "a list of texts")
+    return [str(remark) for remark in remarks]
+
+
+def _resample(document: Mapping[str, Any], path: Path) -> bool:
+    wanted = document.get("resample")
+    if wanted not in (None, "linear"):
+        raise InputError(path, f"resample is {wanted!r}", "`resample: linear`, or no such key")
+    return wanted is not None
 
 
 def _read_yaml(path: Path) -> dict[str, Any]:
@@ -138,6 +215,10 @@ def _read_yaml(path: Path) -> dict[str, Any]:
         raise InputError(where, "not valid YAML", "a mapping of keys to values") from None
     except RecursionError:
         raise InputError(path, "YAML nested too deeply", "a mapping of keys to values") from None
+    return _checked(document, path)
+
+
+def _checked(document: Any, path: Path) -> dict[str, Any]:
     if not isinstance(document, dict):
         raise InputError(path, "no keys", "a mapping of keys to values")
     document.pop("answer", None)
@@ -181,14 +262,10 @@ def _controllers(document: Mapping[str, Any], path: Path) -> dict[str, dict[str,
     return {"controller": _mapping(document, "controller", path)}
 
 
-def _run(
-    i: int,
-    entry: Any,
-    path: Path,
-    units: Mapping[str, str],
-    controllers: Mapping[str, Any],
-    dt: float,
-) -> Run:
+def _entry(
+    i: int, entry: Any, path: Path, controllers: Mapping[str, Any]
+) -> tuple[str, dict[str, Any]]:
+    """File and settings of an entry of ``runs``, with use and controller filled in."""
     where = f"{path}, runs[{i}]"
     if not isinstance(entry, dict) or not isinstance(entry.get("file"), str):
         raise InputError(where, "no file", "`file: NAME.csv`")
@@ -203,80 +280,20 @@ def _run(
     table = (path.parent / entry["file"]).resolve()
     if not table.is_relative_to(path.parent.resolve()):
         raise InputError(where, f"file {entry['file']!r} is outside the log set", "a file in it")
-    columns = read_table(table, list(units))
-    _check_clock(table, columns["t"], dt)
-    settings = {
-        key: value for key, value in entry.items() if key not in ("file", "use", "controller")
-    }
+    return entry["file"], {**entry, "use": use, "controller": controller}
+
+
+def _run(piece: Piece, entry: Mapping[str, Any]) -> Run:
+    settings = {k: v for k, v in entry.items() if k not in ("file", "use", "controller")}
+    if piece.begins:
+        start = settings.get("start_s", 0.0)
+        if isinstance(start, int | float):  # another value is refused by the machine's reader
+            settings["start_s"] = start + piece.begins
     return Run(
-        name=entry["file"], use=use, controller=controller, columns=columns, settings=settings
+        name=f"{entry['file']}{piece.label}",
+        use=entry["use"],
+        controller=entry["controller"],
+        columns=piece.columns,
+        settings=settings,
+        file=piece.file,
     )
-
-
-def read_table(path: Path, names: list[str]) -> dict[str, NDArray[np.float64]]:
-    """Columns ``names`` of a comma-separated table with one header line, optionally gzipped."""
-    if not path.is_file():
-        raise InputError(path, "file not found", "the table of a run")
-    opener = gzip.open if path.suffix == ".gz" else open
-    try:
-        with opener(path, "rt", encoding="utf-8") as stream:
-            header = [name.strip() for name in stream.readline().split(",")]
-            missing = [name for name in names if name not in header]
-            if missing:
-                raise InputError(
-                    path,
-                    f"no column {missing[0]!r}",
-                    f"the columns of {FILE}: {', '.join(names)}",
-                    f"The table has {', '.join(header)[:200]}.",
-                )
-            values = np.loadtxt(stream, delimiter=",", ndmin=2, dtype=float)
-    except (ValueError, OSError, EOFError, UnicodeDecodeError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            path, f"unreadable table ({error})", f"{len(header)} numbers in every row",
-            "A last row that is cut short usually means a truncated file.",
-        ) from None  # fmt: skip
-    if values.shape[0] < SHORTEST_RUN or values.shape[1] != len(header):
-        raise InputError(
-            path,
-            f"{values.shape[0]} rows of {values.shape[1]} numbers",
-            f"at least {SHORTEST_RUN} rows of {len(header)}",
-        )
-    columns = {name: np.ascontiguousarray(values[:, header.index(name)]) for name in names}
-    for name, column in columns.items():
-        bad = np.flatnonzero(~np.isfinite(column))
-        if bad.size:
-            raise InputError(
-                f"{path}, row {bad[0] + 2}, column {name}",
-                f"{column[bad[0]]} ({bad.size} such values)",
-                "a finite number",
-                "Cut the run or fill the gap before diagnosing.",
-            )
-    return columns
-
-
-def _check_clock(path: Path, t: NDArray[np.float64], dt: float) -> None:
-    steps = np.diff(t)
-    backward = np.flatnonzero(steps <= 0.0)
-    if backward.size:
-        row = int(backward[0])
-        raise InputError(
-            f"{path}, row {row + 3}, column t",
-            f"time goes from {t[row]:g} to {t[row + 1]:g} s",
-            "times that increase",
-        )
-    mean = (t[-1] - t[0]) / steps.size
-    if abs(mean - dt) > 1e-3 * dt:
-        raise InputError(
-            f"{path}, column t", f"the mean interval is {mean:g} s", f"sample_time_s = {dt:g} s"
-        )
-    worst = float(np.max(np.abs(t - (t[0] + dt * np.arange(t.size)))))
-    if worst > JITTER_LIMIT * dt or np.max(np.abs(steps - dt)) > JITTER_LIMIT * dt:
-        row = int(np.argmax(np.abs(steps - dt)))
-        raise InputError(
-            f"{path}, row {row + 3}, column t",
-            f"the clock jitters by up to {worst:g} s",
-            f"uniform steps of {dt:g} s within {100 * JITTER_LIMIT:.0f} %",
-            "Resample the log to a uniform clock.",
-        )
