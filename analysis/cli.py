@@ -6,7 +6,18 @@ from typing import Annotated
 
 import typer
 
-from .commands import blind, calibrate, compare, demo, design, diagnose, pmc, simulate, workspace
+from .commands import (
+    blind,
+    calibrate,
+    compare,
+    demo,
+    design,
+    diagnose,
+    pmc,
+    rig,
+    simulate,
+    workspace,
+)
 
 app = typer.Typer(
     name="gapscope",
@@ -24,6 +35,7 @@ app.command("diagnose")(diagnose.diagnose)
 app.command("design")(design.design)
 app.command("demo")(demo.demo)
 app.command("blind")(blind.blind)
+app.command("rig")(rig.rig)
 
 
 def _print_version(wanted: bool) -> None:

@@ -246,3 +246,26 @@ def simulate(
             w, v = ode4_step(w, v, force, step, plant)
         if np.isnan(w[0] + w[1] + w[2] + w[3]):
             break
+
+
+@compilation.kernel
+def one_sample(
+    reference: Any,
+    joint_acceleration: Any,
+    psi: Any,
+    loop: Controller,
+    plant: Constants,
+    dt: float,
+    memory: Any,
+    w: Any,
+    v: Any,
+    command: Any,
+) -> Any:
+    """One sample of a loop whose reference is in joints (4,): writes ``command`` (4,), returns joints and rates.
+
+    ``psi`` (4,) are the motor angles read, ``w`` and ``v`` the true joints and rates as tuples. Not for controllers in
+    the pose.
+    """
+    target = Target(reference, joint_acceleration, reference, joint_acceleration)
+    control.step(target, psi, loop, memory, command)
+    return ode4_step(w, v, joint_forces(command, loop.motor_map), dt, plant)

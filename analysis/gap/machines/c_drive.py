@@ -22,6 +22,17 @@ REFERENCE_ROUNDING = 1e-5  # [rad], how far a printed reference may be from its 
 RIPPLES_PER_TURN = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 18, 24)  # eccentricity, poles, slots
 ROTOR_INERTIA = 6.0e-4  # I_h [kg m^2]: (5.2) with the printed collar mass of 3.279 kg in (2.6a)
 
+# Keys of ``system.nominal`` and the parameters they name.
+NOMINAL = {
+    "lead_m_per_rev": "lead",
+    "m11_kg_m2": "m11",
+    "m12_kg_m2": "m12",
+    "beta_N_m_s": "beta",
+    "gamma_N_m_s": "gamma",
+    "delta_N_m": "delta",
+    "eta_N_m": "eta",
+}
+
 
 def read(logset: LogSet) -> tuple[DriveMachine, list[RunData]]:
     """Machine and runs of a C-drive log set."""
@@ -34,8 +45,8 @@ def read(logset: LogSet) -> tuple[DriveMachine, list[RunData]]:
     )  # fmt: skip
     parameters = _parameters(logset)
     controllers = {
-        name: _controller(
-            f"{logset.folder / FILE}, controllers.{name}", settings, parameters, logset
+        name: read_controller(
+            f"{logset.folder / FILE}, controllers.{name}", settings, parameters, logset.dt
         )
         for name, settings in logset.controllers.items()
     }
@@ -97,28 +108,21 @@ def c_drive_machine(parameters: CDriveParameters, relative: float) -> DriveMachi
 
 
 def _parameters(logset: LogSet) -> CDriveParameters:
+    nominal = nominal_settings(logset, set(NOMINAL))
+    return read_parameters(f"{logset.folder / FILE}, system.nominal", nominal)
+
+
+def read_parameters(where: str, nominal: Settings) -> CDriveParameters:
+    """Parameters from ``system.nominal``; InputError for those of no real drive."""
     default = CDriveParameters()
-    nominal = nominal_settings(
-        logset,
-        {"lead_m_per_rev", "m11_kg_m2", "m12_kg_m2", "beta_N_m_s", "gamma_N_m_s", "delta_N_m",
-         "eta_N_m"},
-    )  # fmt: skip
     try:
         return CDriveParameters(
-            lead=nominal.number("lead_m_per_rev", default.lead),
-            m11=nominal.number("m11_kg_m2", default.m11),
-            m12=nominal.number("m12_kg_m2", default.m12),
-            beta=nominal.number("beta_N_m_s", default.beta),
-            gamma=nominal.number("gamma_N_m_s", default.gamma),
-            delta=nominal.number("delta_N_m", default.delta),
-            eta=nominal.number("eta_N_m", default.eta),
+            **{name: nominal.number(key, getattr(default, name)) for key, name in NOMINAL.items()}
         )
     except ValueError as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(
-            f"{logset.folder / FILE}, system.nominal", str(error), "parameters of a real drive"
-        ) from None
+        raise InputError(where, str(error), "parameters of a real drive") from None
 
 
 FILTER = "derivative_filter_rad_per_s"
@@ -134,9 +138,10 @@ KEYS: dict[str, set[str]] = {
 }  # fmt: skip
 
 
-def _controller(
-    where: str, values: Mapping[str, Any], model: CDriveParameters, logset: LogSet
+def read_controller(
+    where: str, values: Mapping[str, Any], model: CDriveParameters, dt: float
 ) -> LoopController:
+    """Controller from its block of a log set, ``dt`` [s] its period; InputError for a bad key."""
     kind = values.get("kind")
     if kind not in KEYS:
         raise InputError(f"{where}.kind", f"{kind!r}", f"one of {', '.join(sorted(KEYS))}")
@@ -171,7 +176,7 @@ def _controller(
             friction_compensation=s.number("friction_compensation"),
         )
     try:
-        return loop_controller(settings, model, logset.dt)
+        return loop_controller(settings, model, dt)
     except ValueError as error:
         raise InputError(where, str(error), "a controller that can be built") from None
 

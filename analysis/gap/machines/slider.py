@@ -14,6 +14,10 @@ from .reference import derivatives
 from .settings import Settings, nominal_settings, require_units, tolerance
 
 RIPPLE_PERIODS = (0.001, 0.002, 0.004, 0.005, 0.01, 0.016, 0.02, 0.024, 0.03, 0.06)  # screws [m]
+CASCADE_KEYS = {
+    "kind", "law", "kp_per_s", "kv_V_per_m_per_s", "saturation_V", "force_per_volt_N",
+    "encoder_lsb_m",
+}  # fmt: skip
 SIGN_WIDTH = 1e-3  # of the smoothed sign of dry friction [m/s]
 
 
@@ -27,14 +31,9 @@ def read(logset: LogSet) -> tuple[DriveMachine, list[RunData]]:
         tolerance(logset),
     )
     controllers = {
-        name: _cascade(Settings(
-            f"{logset.folder / FILE}, controllers.{name}",
-            settings,
-            {"kind", "law", "kp_per_s", "kv_V_per_m_per_s", "saturation_V", "force_per_volt_N",
-             "encoder_lsb_m"},
-        ), settings)
+        name: read_controller(f"{logset.folder / FILE}, controllers.{name}", settings)
         for name, settings in logset.controllers.items()
-    }  # fmt: skip
+    }
     runs = [_run_data(run, logset.dt, controllers[run.controller]) for run in logset.runs]
     return machine, runs
 
@@ -75,7 +74,9 @@ def slider_machine(mass: float, viscous: float, relative: float) -> DriveMachine
     )
 
 
-def _cascade(settings: Settings, values: Mapping[str, object]) -> LoopController:
+def read_controller(where: str, values: Mapping[str, object]) -> LoopController:
+    """Cascade P-P from its block of a log set; InputError for a bad key."""
+    settings = Settings(where, values, CASCADE_KEYS)
     if values.get("kind") != "cascade_p_p":
         raise InputError("controller.kind", f"{values.get('kind')!r}", "cascade_p_p")
     force_per_volt = settings.number("force_per_volt_N", positive=True)
