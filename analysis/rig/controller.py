@@ -182,8 +182,7 @@ class Rig:
                 self._fire(
                     Event.FAULT, f"following error above {layout.following_error} {layout.unit}"
                 )
-            self._motion = None
-            self.machine.brake()
+            self._brake()
             return
         now = self._switches()
         new, self._pressed = now - self._pressed, now
@@ -210,8 +209,7 @@ class Rig:
 
     def _finish(self) -> None:
         """The motion is complete: brakes on, and a whole run is kept."""
-        self._motion = self._ramp = None
-        self.machine.brake()
+        self._brake()
         if self.state not in MOVING:
             return
         told = "halted" if self._halted else "done"
@@ -220,6 +218,11 @@ class Rig:
             path = self.recorder.keep(self.machine, self.loaded, self._rows, self._use)
             told = f"recorded {path}"
         self._fire(Event.DONE, told)
+
+    def _brake(self) -> None:
+        self._motion = self._ramp = None
+        self._command = np.zeros_like(self._command)
+        self.machine.brake()
 
     def _fire(self, event: Event, message: str = "") -> None:
         if event in TRANSITIONS[self.state]:
