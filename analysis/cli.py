@@ -10,9 +10,11 @@ from .commands import (
     blind,
     calibrate,
     compare,
+    data,
     demo,
     design,
     diagnose,
+    importing,
     pmc,
     rig,
     simulate,
@@ -33,6 +35,8 @@ compare.app.command("pmc")(pmc.compare)
 app.add_typer(calibrate.app, name="calibrate")
 app.command("diagnose")(diagnose.diagnose)
 app.command("design")(design.design)
+app.command("import")(importing.import_logs)
+app.add_typer(data.app, name="data")
 app.command("demo")(demo.demo)
 app.command("blind")(blind.blind)
 app.command("rig")(rig.rig)

@@ -115,6 +115,17 @@ def load_logset(folder: str | Path) -> LogSet:
     return _logset(_read_yaml(description), description, _from_disk(description))
 
 
+def read_description(path: Path) -> dict[str, Any]:
+    """``logset.yaml`` with its keys ``system``, ``controller(s)`` and ``columns`` checked."""
+    if not path.is_file():
+        raise InputError(path, "file not found", f"a {FILE}")
+    document = _read_yaml(path)
+    _mapping(document, "system", path)
+    _controllers(document, path)
+    _units(document, path)
+    return {**document, "columns": {str(n): str(text) for n, text in document["columns"].items()}}
+
+
 def logset_from_frames(
     description: Mapping[str, Any], frames: Mapping[str, Mapping[str, Any]]
 ) -> LogSet:
@@ -243,13 +254,17 @@ def _units(document: Mapping[str, Any], path: Path) -> dict[str, str]:
     columns = _mapping(document, "columns", path)
     if "t" not in columns:
         raise InputError(path, "columns has no t", "a time column `t: s`")
-    # "rad, 13-bit encoder" and "N = 35.15*u" are units with a remark.
-    units = {str(name): re.split("[,=]", str(text))[0].strip() for name, text in columns.items()}
+    units = {str(name): bare_unit(str(text)) for name, text in columns.items()}
     if units["t"] != "s":
         raise InputError(
             path, f"columns.t has the unit {units['t']!r}", "seconds, `t: s`", "Convert the times."
         )
     return units
+
+
+def bare_unit(text: str) -> str:
+    """The unit of a column's text: ``rad, 13-bit encoder`` and ``N = 35.15*u`` carry a remark, too."""
+    return re.split("[,=]", text)[0].strip()
 
 
 def _controllers(document: Mapping[str, Any], path: Path) -> dict[str, dict[str, Any]]:

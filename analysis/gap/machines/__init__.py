@@ -1,7 +1,8 @@
 """Nominal models by ``system.kind``: one module per machine, each with ``read(logset)``."""
 
 import re
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Mapping
 
 from ....models.encoder import resolution
 from ...errors import InputError
@@ -26,6 +27,16 @@ def stated_encoder_step(logset: LogSet) -> float | None:
         if isinstance(step, int | float):
             return float(step)
     return None
+
+
+def columns_of(kind: str) -> Mapping[str, str] | None:
+    """Columns that every log set of a kind has, with their units; None where they vary.
+
+    Raises InputError for an unknown kind.
+    """
+    if kind not in KINDS:
+        raise InputError("kind", repr(kind), f"one of {', '.join(sorted(KINDS))}")
+    return getattr(sys.modules[KINDS[kind].__module__], "COLUMNS", None)
 
 
 def read_machine(logset: LogSet) -> tuple[Machine, list[RunData]]:

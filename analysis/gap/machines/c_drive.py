@@ -18,6 +18,10 @@ from ..machine import RunData, encoder_step, own_parameter
 from .reference import derivatives
 from .settings import Settings, nominal_settings, require_units, tolerance
 
+COLUMNS = {
+    "psi_L_ref": "rad", "psi_R_ref": "rad", "psi_L": "rad", "psi_R": "rad",
+    "tau_L": "Nm", "tau_R": "Nm",
+}  # fmt: skip
 REFERENCE_ROUNDING = 1e-5  # [rad], how far a printed reference may be from its motion program
 RIPPLES_PER_TURN = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 18, 24)  # eccentricity, poles, slots
 ROTOR_INERTIA = 6.0e-4  # I_h [kg m^2]: (5.2) with the printed collar mass of 3.279 kg in (2.6a)
@@ -36,13 +40,7 @@ NOMINAL = {
 
 def read(logset: LogSet) -> tuple[DriveMachine, list[RunData]]:
     """Machine and runs of a C-drive log set."""
-    require_units(
-        logset,
-        {
-            "psi_L_ref": "rad", "psi_R_ref": "rad", "psi_L": "rad", "psi_R": "rad",
-            "tau_L": "Nm", "tau_R": "Nm",
-        },
-    )  # fmt: skip
+    require_units(logset, COLUMNS)
     parameters = _parameters(logset)
     controllers = {
         name: read_controller(

@@ -13,6 +13,7 @@ from ..machine import RunData, encoder_step, own_parameter
 from .reference import derivatives
 from .settings import Settings, nominal_settings, require_units, tolerance
 
+COLUMNS = {"q_ref": "m", "q": "m", "force": "N"}
 RIPPLE_PERIODS = (0.001, 0.002, 0.004, 0.005, 0.01, 0.016, 0.02, 0.024, 0.03, 0.06)  # screws [m]
 CASCADE_KEYS = {
     "kind", "law", "kp_per_s", "kv_V_per_m_per_s", "saturation_V", "force_per_volt_N",
@@ -23,7 +24,7 @@ SIGN_WIDTH = 1e-3  # of the smoothed sign of dry friction [m/s]
 
 def read(logset: LogSet) -> tuple[DriveMachine, list[RunData]]:
     """Machine and runs of a slider log set with the cascade P-P law of EMPS."""
-    require_units(logset, {"q_ref": "m", "q": "m", "force": "N"})
+    require_units(logset, COLUMNS)
     nominal = nominal_settings(logset, {"mass_kg", "viscous_N_s_per_m"})
     machine = slider_machine(
         nominal.number("mass_kg", positive=True),

@@ -1,0 +1,37 @@
+"""``gapscope data``: public measured log sets."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(help="Public measured log sets.", no_args_is_help=True)
+
+
+@app.command("list")
+def list_sets() -> None:
+    """Names, sources and licences of the sets that are known."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from ..datasets import known_sets
+
+    table = Table("name", "source", "licence")
+    for name, entry in known_sets().items():
+        table.add_row(name, entry["source"], entry["license"])
+    Console().print(table)
+
+
+@app.command("get")
+def get_set(
+    name: Annotated[str, typer.Argument(help="Name of the set, see `gapscope data list`.")],
+    out: Annotated[Path | None, typer.Option(help="Folder to write; default NAME.")] = None,
+    url: Annotated[
+        str | None, typer.Option(help="Mirror that has NAME/FILE; needs gapscope[data].")
+    ] = None,
+) -> None:
+    """Fetch a set from --url, or from the folder GAPSCOPE_DATA names, and check its hashes."""
+    from ..datasets import get
+
+    for path in get(name, out or Path(name), url=url):
+        typer.echo(path)
