@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .effects import Form
-from .fitting import SCREEN, Predictor, fit
+from .fitting import FIRST_STEPS, MOST_STEPS, SCREEN, Predictor, fit
 from .hypothesis import Fit, Hypothesis, price
 from .machine import Array
 
@@ -22,6 +22,7 @@ LEAST_GAIN = 0.02  # smallest fall of the score worth another effect or another 
 FURTHER_SCREEN = 0.08  # a further effect must lower the loss by more; its price alone asks for 0.18
 NEAR_FLOOR = 1.03  # a residual this close to the floor, as a ratio, leaves nothing to explain
 IDLE = 1e-3  # a parameter whose loss rises by less than this without it goes at once
+CONTENDER = 1.5  # a search goes on while its residual is within this ratio of the best one's
 RESAMPLES = 1000
 TWIN = 0.002  # scores closer than this share of the residual separate nothing: nuisance exceeds it
 
@@ -52,7 +53,7 @@ def attribute(
     singles = _add_each(predictor, retuned, plain, progress)
     singles = [_pruned(predictor, f) for f in _best_by_ids(singles)]
     fits = [retuned, *singles]
-    parents = [f for f in sorted(singles, key=lambda f: f.score) if _better(f, retuned)][:BEAM]
+    parents = _beam([f for f in sorted(singles, key=lambda f: f.score) if _better(f, retuned)])
     best = parents[0] if parents else retuned
     while parents:
         # Impacts leave a residual too rough to tell a further effect from a better optimum.
@@ -79,6 +80,16 @@ def attribute(
     return rank([f for f in fits if f.converged], retuned, seed)
 
 
+def _beam(singles: Sequence[Fit]) -> list[Fit]:
+    """The best few of some fits, best first, no two of one family: those differ too little."""
+    chosen: list[Fit] = []
+    for candidate in singles:
+        families = {f.hypothesis.forms[0].family for f in chosen} - {""}
+        if candidate.hypothesis.forms[0].family not in families and len(chosen) < BEAM:
+            chosen.append(candidate)
+    return chosen
+
+
 def _better(candidate: Fit, retuned: Fit) -> bool:
     return candidate.converged and retuned.score - candidate.score > LEAST_GAIN
 
@@ -97,8 +108,18 @@ def _add_each(
         warm = min(same, key=lambda f: f.score) if same else parent
         child = parent.hypothesis.with_form(form)
         screen = FURTHER_SCREEN if parent.hypothesis.forms else SCREEN
-        children.append(fit(predictor, child, warm, screen))
-    return children
+        steps = MOST_STEPS if form.step > 0.0 else FIRST_STEPS  # impacts: no second chance
+        children.append(fit(predictor, child, warm, screen, steps))
+    return _taken_further(predictor, children)
+
+
+def _taken_further(predictor: Predictor, fits: Sequence[Fit]) -> list[Fit]:
+    """The fits, those searched on that did not end and are not far behind the best."""
+    best = min((f.rms for f in fits), default=0.0)
+    return [
+        f if f.finished or f.rms > CONTENDER * best else fit(predictor, f.hypothesis, f)
+        for f in fits
+    ]
 
 
 def _grown(
@@ -118,7 +139,14 @@ def _grown(
         for child in _add_each(
             predictor,
             parent,
-            [f for f in forms if frozenset((*parent.hypothesis.ids, f.effect)) not in known],
+            [
+                f
+                for f in forms
+                if frozenset((*parent.hypothesis.ids, f.effect)) not in known
+                and (
+                    f.step == 0.0 or parent is parents[0]
+                )  # impacts are dear: beside the best only
+            ],
             progress,
         )
     ]

@@ -20,6 +20,7 @@ from ..files import output_folder, write_whole
 from .attribution import Ranked, attribute
 from .clock import ReplayCheck
 from .closed_loop import closed_loop
+from .confusion import Confusion, confusion
 from .fitting import Predictor, fit
 from .floor import NO_CYCLES
 from .hypothesis import Fit, Hypothesis
@@ -28,13 +29,13 @@ from .location import locate
 from .logset import LogSet, load_logset
 from .machine import Array, Machine, RunData, rms
 from .machines import read_machine, stated_encoder_step
+from .order import Share, order_shares
 from .shrinkage import Shrinkage, shrinkage
 from .signals import SignalFinding
 from .verdict import Verdict, confirmed, decide, in_step, with_findings
 
 HELD_BACK = 0.3  # share of a lone run's end that is kept for validation
 SIGNAL_PROBABILITY = 0.99  # of a signal finding, which passes its own strict test or is not made
-VISIBLE = 0.5  # a parameter known worse than this share of its typical size is not visible
 
 Progress = Callable[[str], None]
 
@@ -57,6 +58,8 @@ class Diagnosis:
     validation: dict[frozenset[str], float]  # rms on validation runs [position unit]
     verdict: Verdict
     location: dict[str, list[dict[str, Any]]]
+    confusion: Confusion  # which effects these runs cannot separate or show
+    shares: tuple[Share, ...]  # of several accepted effects
     shrinkage: Shrinkage
     closed_loop: dict[str, Any]
     inverse_model: tuple[Structure, ...]  # relative effort errors of growing structures
@@ -74,6 +77,8 @@ class Diagnosis:
             + ([] if accepted is None else self._effects(accepted)),
             "ranking": [self._ranked(r) for r in self.ranking],
             "location": self.location,
+            "confusion": self.confusion.to_json(),
+            "shares": [share.to_json() for share in self.shares],
             "shrinkage": _shrinkage_json(self.shrinkage, self.closed_loop),
             "out_of_step": self.out_of_step,
             "warnings": list(self.warnings),
@@ -160,7 +165,8 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     retuned = fit(predictor, Hypothesis())
     residuals = predictor.residuals(retuned.hypothesis, [retuned.values], retuned.keys)[0]
     floor = _floor(fit_runs, residuals, machine)
-    ranking = attribute(predictor, retuned, machine.forms(fit_runs), floor, seed, tell)
+    forms = machine.forms(fit_runs)
+    ranking = attribute(predictor, retuned, forms, floor, seed, tell)
     retuned_rank = next(r for r in ranking if not r.fit.hypothesis.forms)
     best = predictor.residuals(
         ranking[0].fit.hypothesis, [ranking[0].fit.values], ranking[0].fit.keys
@@ -179,6 +185,10 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     loops = closed_loop(
         machine, held_back, {"before": nominal, "retuned": retuned, "after": chosen}
     )
+    tell("what these runs cannot tell")
+    confused = confusion(predictor, retuned, forms, floor)
+    several = verdict.accepted is not None and len(chosen.hypothesis.forms) > 1
+    shares = order_shares(predictor, retuned, chosen, [r.fit for r in ranking]) if several else []
     return Diagnosis(
         logset=log,
         machine=machine,
@@ -194,10 +204,12 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
         validation=_validation_errors(machine, held_back, ranking),
         verdict=verdict,
         location=locate(fit_runs, residuals, machine, seed),
+        confusion=confused,
+        shares=tuple(shares),
         shrinkage=shrunk,
         closed_loop=loops,
         inverse_model=tuple(machine.inverse_model(runs)),
-        warnings=tuple(_warnings(log, replays, ranking, shrunk)),
+        warnings=tuple(_warnings(log, replays, confused, shrunk)),
         next_experiment=_next_experiment(predictor, ranking, verdict),
         provenance=_provenance(log, seed, predictor.simulations, time.perf_counter() - started),
     )
@@ -251,7 +263,7 @@ def _validation_errors(
 
 
 def _warnings(
-    log: LogSet, replays: Sequence[ReplayCheck], ranking: Sequence[Ranked], shrunk: Shrinkage
+    log: LogSet, replays: Sequence[ReplayCheck], confused: Confusion, shrunk: Shrinkage
 ) -> list[str]:
     warnings = [
         f"{check.run}: the stated controller does not reproduce the logged command (difference "
@@ -271,20 +283,12 @@ def _warnings(
             f"The floor is a lower bound ({shrunk.floor_source}): the "
             "machine's own repeatability is unknown."
         )
-    for ranked in ranking:
-        if len(ranked.fit.hypothesis.forms) == 1:
-            form = ranked.fit.hypothesis.forms[0]
-            sizes = {p.name: p.scale for p in form.parameters}
-            spread = [
-                d / sizes[name]
-                for (effect, name), d in zip(ranked.fit.keys, ranked.fit.deviation)
-                if effect == form.effect
-            ]
-            if spread and min(spread) > VISIBLE:
-                warnings.append(
-                    f"{form.effect} is not visible in this data: its parameters are known no "
-                    f"better than {100 * min(spread):.0f} % of their typical size."
-                )
+    warnings += [
+        f"{effect} is not visible in this data: {size:.2f} x the noise floor at its typical size, "
+        "beyond what the machine's own tolerance hides."
+        for effect, size in zip(confused.effects, confused.size)
+        if effect in confused.invisible
+    ]
     return warnings
 
 

@@ -23,6 +23,10 @@ DIVERGED = (
 STEP = 1e-4  # finite-difference step, in parameter scales
 SCREEN = 0.004  # a form whose linearised loss falls by less than this share is not pursued
 MOST_STEPS = 20  # of a least-squares search
+FIRST_STEPS = 4  # of a search that is only taken further where it leads somewhere
+ENOUGH = (
+    1e-4  # relative fall of the loss per step that ends a search; decisions are 40 times coarser
+)
 MOST_ROUGH_STEPS = 120  # predictions of all runs in a search without derivatives
 BLOCKS = 30  # blocks of a run whose losses are resampled together
 FOLDS = 4  # held-out pieces when there is one run only
@@ -35,7 +39,7 @@ class Predictor:
         self.machine = machine
         self.runs = list(runs)
         self.simulations = 0
-        self._spread = machine.spread(self.runs)
+        self.spread = machine.spread(self.runs)
         self._pool = ThreadPoolExecutor(max_workers=cpu_count() or 1)
 
     def residuals(
@@ -60,7 +64,7 @@ class Predictor:
         residual = self.machine.predict(run, plant)
         self.simulations += 1
         if not np.all(np.isfinite(residual)):
-            residual = np.full_like(residual, DIVERGED * self._spread)
+            residual = np.full_like(residual, DIVERGED * self.spread)
         return residual
 
 
@@ -135,16 +139,21 @@ class _Problem:
 
 
 def fit(
-    predictor: Predictor, hypothesis: Hypothesis, warm: Fit | None = None, screen: float = SCREEN
+    predictor: Predictor,
+    hypothesis: Hypothesis,
+    warm: Fit | None = None,
+    screen: float = SCREEN,
+    steps: int = MOST_STEPS,
 ) -> Fit:
     """Best parameters of a hypothesis on the predictor's runs, with held-out losses.
 
     ``warm`` is a fit whose values are starting points where the keys agree. A hypothesis whose
     linearised loss cannot fall below that of ``warm`` by the share ``screen`` is taken where the linear
     step leads and not searched further; its held-out losses are those of ``warm``, scaled by that gain.
+    ``steps`` bounds the search; a fit that used them all is not ``finished``.
     """
     problem = _Problem(predictor, hypothesis)
-    x, jac, searched = _search(problem, warm, screen)
+    x, jac, searched, finished = _search(problem, warm, screen, steps)
     final = problem.runs([x])[0]
     span = np.minimum(problem.upper - problem.lower, 1.0)
     at_bound = (x - problem.lower < 1e-4 * span) | (problem.upper - x < 1e-4 * span)
@@ -169,14 +178,20 @@ def fit(
         converged=bool(np.mean(residual**2) < predictor.machine.spread(predictor.runs) ** 2),
         residual=residual,
         jacobian=jac,
+        finished=finished,
     )
 
 
-def _search(problem: _Problem, parent: Fit | None, screen: float) -> tuple[Array, Array, bool]:
-    """Best point, its Jacobian, and whether a search led there or only a linear step."""
+def _search(
+    problem: _Problem, parent: Fit | None, screen: float, steps: int
+) -> tuple[Array, Array, bool, bool]:
+    """Best point, its Jacobian, whether a search led there or only a linear step, and whether it ended."""
     best_x, best_jac, best_cost, searched = np.zeros(0), np.zeros((0, 0)), np.inf, False
     bounds = (problem.lower, problem.upper)
+    finished = True
     for start in _starts(problem, parent):
+        if parent is not None and _idle_impacts(problem, parent, start):
+            return start, np.zeros((parent.residual.size, start.size)), False, True
         residual, jac = problem.linearised(start, parent)
         step = _linear_step(jac, residual, start, bounds)
         predicted = float(np.sum((residual + jac @ step) ** 2))
@@ -185,18 +200,34 @@ def _search(problem: _Problem, parent: Fit | None, screen: float) -> tuple[Array
             found.append((start + step, jac))
         else:
             searched = True
-            found.append(_least_squares(problem, start + 0.5 * step, residual))
+            *solution, ended = _least_squares(problem, start + 0.5 * step, residual, steps)
+            found.append((solution[0], solution[1]))
+            finished = finished and ended
         for x, at_x in found:
             cost = float(np.sum(problem.flat(x) ** 2))
             if cost < best_cost:
                 best_x, best_jac, best_cost = x, at_x, cost
     if searched and problem.step > STEP:
         best_x = _polished(problem, best_x)
-    return best_x, best_jac, searched
+    return best_x, best_jac, searched, finished
 
 
-def _least_squares(problem: _Problem, start: Array, residual: Array) -> tuple[Array, Array]:
-    """Point and Jacobian that a bounded trust-region search ends at; residuals are normalised."""
+def _idle_impacts(problem: _Problem, parent: Fit, start: Array) -> bool:
+    """Whether impacts beside other effects help nothing at the best of their starts."""
+    if not problem.hypothesis.rough or not parent.hypothesis.forms:
+        return False
+    return float(np.sum(problem.flat(start) ** 2)) > (1.0 - SCREEN) * float(
+        np.sum(parent.residual**2)
+    )
+
+
+def _least_squares(
+    problem: _Problem, start: Array, residual: Array, steps: int
+) -> tuple[Array, Array, bool]:
+    """Point and Jacobian that a bounded trust-region search ends at, and whether it ended by itself.
+
+    Residuals are normalised.
+    """
     unit = float(np.sqrt(np.mean(residual**2)))
 
     def residuals(x: Array) -> Array:
@@ -210,12 +241,12 @@ def _least_squares(problem: _Problem, start: Array, residual: Array) -> tuple[Ar
         problem.inside(start),
         jac=jacobian,
         bounds=(problem.lower, problem.upper),
-        ftol=1e-6,
-        xtol=1e-6,
+        ftol=ENOUGH,
+        xtol=ENOUGH,
         gtol=1e-10,
-        max_nfev=MOST_STEPS,
+        max_nfev=steps,
     )
-    return solution.x, np.asarray(solution.jac) * unit
+    return solution.x, np.asarray(solution.jac) * unit, solution.status > 0
 
 
 def _polished(problem: _Problem, x: Array) -> Array:

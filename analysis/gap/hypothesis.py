@@ -107,6 +107,7 @@ class Fit:
     # parameters in units of their scales; empty where fits do not build on each other.
     residual: Array = field(default_factory=lambda: np.zeros(0))
     jacobian: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    finished: bool = True  # whether the search ended by itself
 
     def by_key(self) -> dict[tuple[str, str], float]:
         """Values by key."""
