@@ -17,16 +17,12 @@ from scipy.optimize import least_squares, lsq_linear, minimize
 from .hypothesis import Fit, Hypothesis
 from .machine import Array, Machine, RunData
 
-DIVERGED = (
-    1e6  # residual, in multiples of the signal's spread, given to a prediction that is not finite
-)
+DIVERGED = 1e6  # multiples of the signal's spread: a prediction this far off has diverged
 STEP = 1e-4  # finite-difference step, in parameter scales
 SCREEN = 0.004  # a form whose linearised loss falls by less than this share is not pursued
 MOST_STEPS = 20  # of a least-squares search
 FIRST_STEPS = 4  # of a search that is only taken further where it leads somewhere
-ENOUGH = (
-    1e-4  # relative fall of the loss per step that ends a search; decisions are 40 times coarser
-)
+ENOUGH = 1e-4  # relative fall of the loss that ends a search; decisions are 40 times coarser
 MOST_ROUGH_STEPS = 120  # predictions of all runs in a search without derivatives
 BLOCKS = 30  # blocks of a run whose losses are resampled together
 FOLDS = 4  # held-out pieces when there is one run only
@@ -63,7 +59,7 @@ class Predictor:
     def _predict(self, run: RunData, plant: Any) -> Array:
         residual = self.machine.predict(run, plant)
         self.simulations += 1
-        if not np.all(np.isfinite(residual)):
+        if not np.all(np.abs(residual) < DIVERGED * self.spread):  # NaN is not, either
             residual = np.full_like(residual, DIVERGED * self.spread)
         return residual
 
@@ -162,6 +158,8 @@ def fit(
         losses, samples = block_losses(_held_out(problem, final, jac, x, at_bound))
     else:  # it is as good on held-out runs as its parent, but for the little it gained on fit runs
         losses, samples = warm.losses * np.mean(residual**2) / warm.rms**2, warm.samples
+    held_out = float(np.sqrt(losses.sum() / samples.sum()))
+    spread = predictor.machine.spread(predictor.runs)
     deviation, importance = _information(problem, jac, residual, x)
     return Fit(
         hypothesis=hypothesis,
@@ -173,9 +171,9 @@ def fit(
         losses=losses,
         samples=samples,
         rms=float(np.sqrt(np.mean(residual**2))),
-        held_out_rms=float(np.sqrt(losses.sum() / samples.sum())),
+        held_out_rms=held_out,
         importance=importance,
-        converged=bool(np.mean(residual**2) < predictor.machine.spread(predictor.runs) ** 2),
+        converged=bool(np.mean(residual**2) < spread**2 and held_out < spread),
         residual=residual,
         jacobian=jac,
         finished=finished,

@@ -9,8 +9,10 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.signal import csd, welch
 
 from .machine import Array, Machine, RunData
+from .regimes import SORTINGS, Sorting, since_reversal
 
 BANDS_HZ = (0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, np.inf)
 BANDS: tuple[dict[str, Any], ...] = tuple(
@@ -25,6 +27,7 @@ REGIMES = ("at rest", "after reversal", "slow", "fast", "accelerating", "braking
 AFTER_REVERSAL = 0.02  # s
 RESAMPLES = 400
 BLOCKS = 20  # per run
+SEGMENT = 512  # samples of a spectrum's segment
 
 
 def locate(
@@ -44,7 +47,12 @@ def locate(
         "joints": joints,
         "task": task,
         "regimes": _shares(REGIMES, [e.sum(axis=1) for e in by_regime], rng),
-        "bands": [{**band, "share": share} for band, share in zip(BANDS, by_band.sum(axis=0))],
+        "bands": [
+            {**band, "share": float(share), "coherence": coherence}
+            for band, share, coherence in zip(BANDS, by_band.sum(axis=0), _coherence(runs, efforts))
+        ],
+        "harmonics": _harmonics(runs, efforts, rng),
+        **{s.key: _sorted(s, runs, efforts, rng) for s in SORTINGS},
         "runs": _of_runs(runs, efforts),
         "joint_regimes": _table(
             "regime", machine.joints, REGIMES, np.sum([e.sum(axis=0) for e in by_regime], axis=0)
@@ -61,7 +69,7 @@ def _by_regime(runs: Sequence[RunData], efforts: Sequence[Array]) -> list[Array]
         rate = run.reference_rate[run.window]
         acceleration = run.reference_acceleration[run.window]
         rest = np.abs(rate) < 1e-3 * peak
-        turned = _since_reversal(rate, run.dt) < AFTER_REVERSAL
+        turned = since_reversal(rate, run.dt) < AFTER_REVERSAL
         power = rate * acceleration
         strong = np.abs(acceleration) > 0.5 * np.max(np.abs(acceleration), axis=0, initial=1e-12)
         masks = [rest, turned & ~rest]
@@ -73,17 +81,61 @@ def _by_regime(runs: Sequence[RunData], efforts: Sequence[Array]) -> list[Array]
     return energies
 
 
-def _since_reversal(rate: Array, dt: float) -> Array:
-    """Time since each column last changed sign [s]; large before the first change."""
-    since = np.full_like(rate, np.inf)
-    for j in range(rate.shape[1]):
-        sign = np.sign(rate[:, j])
-        changes = np.flatnonzero(np.diff(sign) != 0) + 1
-        if changes.size:
-            index = np.searchsorted(changes, np.arange(len(rate)), side="right") - 1
-            known = index >= 0
-            since[known, j] = dt * (np.arange(len(rate))[known] - changes[index[known]])
-    return since
+def _sorted(
+    sorting: Sorting, runs: Sequence[RunData], efforts: Sequence[Array], rng: Any
+) -> list[dict[str, Any]]:
+    """Shares by one way of sorting samples; empty where its signal has other columns than the joints."""
+    energies = []
+    for run, effort in zip(runs, efforts):
+        labels = sorting.labels(runs, run)[run.window]
+        if labels.shape != effort.shape:
+            return []
+        columns = [
+            np.sum(np.where(labels == k, effort**2, 0.0), axis=1) for k in range(len(sorting.names))
+        ]
+        energies.append(np.column_stack(columns))
+    return _shares(sorting.names, energies, rng)
+
+
+def _harmonics(runs: Sequence[RunData], efforts: Sequence[Array], rng: Any) -> list[dict[str, Any]]:
+    """Shares of what repeats with the cycle and what does not, over runs of two cycles and more."""
+    energies = []
+    for run, effort in zip(runs, efforts):
+        cycles = len(effort) // run.period if run.period else 0
+        if run.period is None or cycles < 2:
+            continue
+        stack = effort[: cycles * run.period].reshape(cycles, run.period, -1)
+        mean = stack.mean(axis=0, keepdims=True)
+        between = _in_blocks(((stack - mean) ** 2).sum(axis=(0, 2))) * cycles / (cycles - 1)
+        every = _in_blocks((stack**2).sum(axis=(0, 2)))
+        energies.append(np.column_stack([np.maximum(every - between, 0.0), between]))
+    names = ("at harmonics of the cycle", "between them")
+    return _shares(names, energies, rng) if energies else []
+
+
+def _in_blocks(values: Array) -> Array:
+    """Sums (blocks,) of values (samples,)."""
+    return np.array([block.sum() for block in np.array_split(values, BLOCKS)])
+
+
+def _coherence(runs: Sequence[RunData], efforts: Sequence[Array]) -> list[float]:
+    """Mean coherence (bands,) of the effort with its joint's reference speed, weighted by energy."""
+    weight, total = np.zeros(len(BANDS)), np.zeros(len(BANDS))
+    for run, effort in zip(runs, efforts):
+        segment = min(SEGMENT, len(effort) // 2)
+        if segment < 8:
+            continue
+        for j, column in enumerate(effort.T):
+            rate = run.reference_rate[run.window][:, j]
+            if np.ptp(rate) == 0.0 or np.ptp(column) == 0.0:
+                continue
+            frequency, power = welch(column, 1.0 / run.dt, nperseg=segment)
+            _, cross = csd(rate, column, 1.0 / run.dt, nperseg=segment)
+            _, drive = welch(rate, 1.0 / run.dt, nperseg=segment)
+            seen = np.abs(cross) ** 2 / np.maximum(drive, 1e-12 * drive.max())
+            weight += np.histogram(frequency, BANDS_HZ, weights=seen)[0]
+            total += np.histogram(frequency, BANDS_HZ, weights=power)[0]
+    return [float(w / t) if t > 0.0 else 0.0 for w, t in zip(weight, total)]
 
 
 def _by_band(runs: Sequence[RunData], efforts: Sequence[Array]) -> Array:

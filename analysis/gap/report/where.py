@@ -10,7 +10,15 @@ LISTS = (
     ("task", "by task coordinate"),
     ("signals", "by signal"),
     ("regimes", "by regime of the motion"),
+    ("directions", "by direction"),
+    ("speeds", "by share of the top speed"),
+    ("accelerations", "by share of the top acceleration"),
+    ("since_reversal", "by time since the last reversal"),
+    ("positions", "by position"),
+    ("loads", "by share of the largest command"),
     ("bands", "by frequency"),
+    ("harmonics", "by what repeats with the cycle"),
+    ("times", "by time"),
     ("runs", "by run"),
 )
 MAPS = (
