@@ -217,7 +217,7 @@ def _best_by_ids(fits: Sequence[Fit]) -> list[Fit]:
 def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
     """Best first, with bootstrap probabilities and gains over the retuned nominal."""
     chosen = _best_by_ids(fits)
-    losses = np.array([f.losses for f in chosen])
+    losses = _shared_losses(chosen)
     prices = np.array([price(f.hypothesis) for f in chosen])
     samples = retuned.samples
     rng = np.random.default_rng(seed)
@@ -232,11 +232,36 @@ def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
             Ranked(
                 fit=candidate,
                 probability=float((wins[i] + 1.0 / len(chosen)) / (RESAMPLES + 1.0)),
-                gain=float(np.log(retuned.held_out_rms / candidate.held_out_rms)),
+                gain=float(
+                    np.log(retuned.held_out_rms) - 0.5 * np.log(losses[i].sum() / samples.sum())
+                ),
                 gain_interval=(float(low), float(high)),
             )
         )
-    return sorted(ranked, key=lambda r: r.fit.score)
+    scores = 0.5 * np.log(losses.sum(axis=1) / samples.sum()) + prices
+    order = np.argsort(scores, kind="stable")
+    return [ranked[i] for i in order]
+
+
+def _shared_losses(fits: Sequence[Fit]) -> Array:
+    """Held-out losses (hypotheses, blocks); hypotheses with the same predictions have the same.
+
+    Which of them predicts held-out runs better is chance: they left other directions free.
+    """
+    losses = np.array([f.losses for f in fits])
+    shared = losses.copy()
+    for i, f in enumerate(fits):
+        for j, other in enumerate(fits):
+            if losses[j].sum() < shared[i].sum() and _same_predictions(f, other):
+                shared[i] = losses[j]
+    return shared
+
+
+def _same_predictions(a: Fit, b: Fit) -> bool:
+    """Whether what the residuals differ by changes the log residual by less than ``TWIN``."""
+    if a.residual.size == 0 or a.residual.size != b.residual.size:
+        return False
+    return float(np.mean((a.residual - b.residual) ** 2)) < 2.0 * TWIN * b.rms**2
 
 
 def _shared_wins(scores: Array) -> Array:

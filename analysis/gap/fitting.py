@@ -333,7 +333,10 @@ def _held_out(
         pieces = [(0, slice(int(a), int(b))) for a, b in pairwise(edges)]
     residual = _flatten(final)
     active = np.logical_not(at_bound)
-    ridge = 1e-9 * np.eye(int(active.sum())) * max(float(np.sum(jac**2)), 1e-300)
+    # Directions that the data leave free stay inside the bounds by their prior, as in ``_information``.
+    variance = _variance(residual, x.size)
+    prior = variance * 12.0 / np.square(problem.upper - problem.lower)[active]
+    ridge = np.diag(prior + 1e-9 * max(float(np.sum(jac**2)), 1e-300))
     hessian, gradient = jac[:, active].T @ jac[:, active], jac[:, active].T @ residual
     held_out = [np.array(r) for r in final]
     for run, piece in pieces:
@@ -354,8 +357,7 @@ def _information(problem: _Problem, jac: Array, residual: Array, x: Array) -> tu
     if x.size == 0:
         return np.zeros(0), np.zeros(0)
     loss = max(float(residual @ residual), 1e-300)
-    effective = max(effective_samples(residual), x.size + 1.0)
-    variance = loss / effective  # of one independent sample's worth of residual
+    variance = _variance(residual, x.size)
     prior = 12.0 / np.square(problem.upper - problem.lower)
     hessian = jac.T @ jac
     spread = np.diag(np.linalg.pinv(hessian / variance + np.diag(prior), hermitian=True))
@@ -363,6 +365,12 @@ def _information(problem: _Problem, jac: Array, residual: Array, x: Array) -> tu
     seen = conditional > 0.0
     importance = np.where(seen, x**2 / np.where(seen, conditional, 1.0) / loss, 0.0)
     return np.sqrt(np.maximum(spread, 0.0)), importance
+
+
+def _variance(residual: Array, parameters: int) -> float:
+    """Variance of one independent sample's worth of residual."""
+    loss = max(float(residual @ residual), 1e-300)
+    return loss / max(effective_samples(residual), parameters + 1.0)
 
 
 def effective_samples(residual: Array) -> float:

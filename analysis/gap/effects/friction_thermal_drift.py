@@ -4,7 +4,7 @@ import numpy as np
 
 from ....models.drive import BACKWARD, FADE, FORWARD, STRIBECK_SPEED, VISCOUS, WIDTH
 from ..drive_machine import DriveMachine, DrivePlant
-from .base import Effect, Form, Scales, Values, everywhere, parameter
+from .base import RARE, Effect, Form, Scales, Values, everywhere, parameter
 from .dry_friction import keep_stable, width_parameter
 
 WARM_UP = 200.0  # s
@@ -21,7 +21,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     excess = parameter("cold_viscous_share", "-", 0.5)
     level = parameter("cold_level", machine.unit("effort"), scales.effort, lower=0.0)
     warm_up = parameter(
-        "warm_up", "s", WARM_UP, lower=0.05 * scales.duration, upper=100.0 * scales.duration,
+        "warm_up", "s", WARM_UP, lower=0.05 * scales.duration, upper=10.0 * scales.duration,
         starts=(WARM_UP, 0.3 * scales.duration, 3.0 * scales.duration),
     )  # fmt: skip
 
@@ -50,6 +50,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
             where=everywhere("elements", machine.joints),
             shapes=frozenset({"warm_up", "width"}),
             removable=frozenset({"cold_viscous_share", "cold_level"}),
+            price=RARE,  # where nothing fades it is plain friction with fewer levels
         )
     ]
 
