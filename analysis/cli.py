@@ -18,6 +18,7 @@ from .commands import (
     pmc,
     rig,
     simulate,
+    view,
     workspace,
 )
 
@@ -40,6 +41,7 @@ app.add_typer(data.app, name="data")
 app.command("demo")(demo.demo)
 app.command("blind")(blind.blind)
 app.command("rig")(rig.rig)
+app.command("view")(view.view)
 
 
 def _print_version(wanted: bool) -> None:

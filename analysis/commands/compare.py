@@ -49,3 +49,16 @@ def mm3a(
     terminal.print_comparison(result)
     for path in comparison.write(result, out):
         typer.echo(f"wrote {path}")
+
+
+@app.command("diagnoses")
+def diagnoses(
+    results: Annotated[
+        list[Path], typer.Argument(help="Folders of `gapscope diagnose`, two or more.")
+    ],
+    out: Out,
+) -> None:
+    """Diagnoses side by side: verdicts, effects, shrinkage and where each gap lies, on one page."""
+    from ..gap.report.compare import load, write_comparison
+
+    typer.echo(write_comparison(load(results), out))

@@ -1,0 +1,1 @@
+"""Pictures that move: machines with sliders, replays with ghosts, block diagrams."""
