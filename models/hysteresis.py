@@ -8,6 +8,11 @@ r"""Hysteresis of a piezo stack, as a voltage that is lost between terminals and
 it acts between charge and voltage, so that the length x of a stack that is held reacts on it. Solved for
 the charge, :math:`\dot q = (\dot V + T\dot x/C) / (1/C + \sum_{sticking}\kappa_i)`. Both are
 rate-independent: creep is not modelled.
+
+3. stop          :math:`v = \sum_i a_i s_i`, :math:`\dot s_i = \dot V` while :math:`|s_i| < r_i`
+
+(3) is (2) of a stack that carries no load, driven by its voltage: :math:`V - s_i` is the play operator of
+limit r_i, so that the length is that of the Prandtl-Ishlinskii model (Kuhnen 2003).
 """
 
 from typing import Any
@@ -18,6 +23,20 @@ import numpy as np
 def bouc_wen_rate(lost: Any, drive_rate: Any, alpha: Any, beta: Any, gamma: Any) -> Any:
     """Rate of the lost voltage (1) [V/s] at ``drive_rate`` [V/s]; beta and gamma in 1/V."""
     return alpha * drive_rate - beta * np.abs(drive_rate) * lost - gamma * drive_rate * np.abs(lost)
+
+
+def bouc_wen_step(lost: Any, change: Any, alpha: Any, beta: Any, gamma: Any) -> Any:
+    """Lost voltage (1) after the drive has changed by ``change`` [V]; classical Runge-Kutta."""
+    k1 = bouc_wen_rate(lost, change, alpha, beta, gamma)
+    k2 = bouc_wen_rate(lost + 0.5 * k1, change, alpha, beta, gamma)
+    k3 = bouc_wen_rate(lost + 0.5 * k2, change, alpha, beta, gamma)
+    k4 = bouc_wen_rate(lost + k3, change, alpha, beta, gamma)
+    return lost + (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
+
+
+def stop(element: Any, change: Any, limit: Any) -> Any:
+    """Voltage s_i (3) of an element after the drive has changed by ``change`` [V]; exact."""
+    return min(max(element + change, -limit), limit)
 
 
 def element_sticks(voltage: Any, limit: Any, charge_direction: Any) -> bool:

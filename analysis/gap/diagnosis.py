@@ -41,6 +41,15 @@ Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, kw_only=True)
+class Leading:
+    """The first of the ranking where the verdict accepts none: what it would do on held-out runs."""
+
+    fit: Fit
+    shrinkage: Shrinkage
+    closed_loop: dict[str, Any] | None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Diagnosis:
     """Everything a diagnosis found."""
 
@@ -62,6 +71,7 @@ class Diagnosis:
     shares: tuple[Share, ...]  # of several accepted effects
     shrinkage: Shrinkage
     closed_loop: dict[str, Any]
+    leading: Leading | None
     inverse_model: tuple[Structure, ...]  # relative effort errors of growing structures
     warnings: tuple[str, ...]
     next_experiment: dict[str, Any]
@@ -80,6 +90,7 @@ class Diagnosis:
             "confusion": self.confusion.to_json(),
             "shares": [share.to_json() for share in self.shares],
             "shrinkage": _shrinkage_json(self.shrinkage, self.closed_loop),
+            "leading": None if self.leading is None else _leading(self.leading),
             "out_of_step": self.out_of_step,
             "warnings": list(self.warnings),
             "next_experiment": self.next_experiment,
@@ -189,6 +200,14 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     confused = confusion(predictor, retuned, forms, floor)
     several = verdict.accepted is not None and len(chosen.hypothesis.forms) > 1
     shares = order_shares(predictor, retuned, chosen, [r.fit for r in ranking]) if several else []
+    leading = None
+    first = ranking[0].fit
+    if verdict.verdict == "unexplained" and first.hypothesis.forms:
+        leading = Leading(
+            fit=first,
+            shrinkage=shrinkage(machine, as_logged, held_back, retuned, first, seed),
+            closed_loop=closed_loop(machine, held_back, {"leading": first}).get("leading"),
+        )
     return Diagnosis(
         logset=log,
         machine=machine,
@@ -208,8 +227,9 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
         shares=tuple(shares),
         shrinkage=shrunk,
         closed_loop=loops,
+        leading=leading,
         inverse_model=tuple(machine.inverse_model(runs)),
-        warnings=tuple(_warnings(log, replays, confused, shrunk)),
+        warnings=tuple(_warnings(log, runs, replays, confused, shrunk)),
         next_experiment=_next_experiment(predictor, ranking, verdict),
         provenance=_provenance(log, seed, predictor.simulations, time.perf_counter() - started),
     )
@@ -263,7 +283,11 @@ def _validation_errors(
 
 
 def _warnings(
-    log: LogSet, replays: Sequence[ReplayCheck], confused: Confusion, shrunk: Shrinkage
+    log: LogSet,
+    runs: Sequence[RunData],
+    replays: Sequence[ReplayCheck],
+    confused: Confusion,
+    shrunk: Shrinkage,
 ) -> list[str]:
     warnings = [
         f"{check.run}: the stated controller does not reproduce the logged command (difference "
@@ -274,9 +298,11 @@ def _warnings(
     ]
     warnings.extend(log.notes)
     if not log.validate:
+        warnings.append(_held_back(runs))
+    if log.uneven is not None:
         warnings.append(
-            f"No run is marked validate: the last {100 * HELD_BACK:.0f} % of every run were held "
-            "back and used for shrinkage only."
+            f"The samples are uneven: {1e3 * log.dt:.2f} ms in the median, {1e3 * log.uneven:.2f} ms "
+            "rms away from it; the times of the log were used."
         )
     if NO_CYCLES in shrunk.floor_source:
         warnings.append(
@@ -290,6 +316,18 @@ def _warnings(
         if effect in confused.invisible
     ]
     return warnings
+
+
+def _held_back(runs: Sequence[RunData]) -> str:
+    """What was kept for validation although the log set marks nothing."""
+    fitted = {run.name for run in runs if run.use == "fit"}
+    whole = [run.name for run in runs if run.use == "validate" and run.name not in fitted]
+    what = (
+        f"{', '.join(whole)} were"
+        if whole
+        else f"the last {100 * HELD_BACK:.0f} % of every run were"
+    )
+    return f"No run is marked validate: {what} held back and used for shrinkage only."
 
 
 def _next_experiment(
@@ -334,6 +372,19 @@ def _parameters(fitted: Fit, effect: str) -> dict[str, Any]:
             fitted.keys, fitted.units, fitted.values, fitted.deviation
         )
         if owner == effect
+    }
+
+
+def _leading(leading: Leading) -> dict[str, Any]:
+    hypothesis = leading.fit.hypothesis
+    return {
+        "ids": list(hypothesis.ids),
+        "forms": [form.name for form in hypothesis.forms],
+        "parameters": {effect: _parameters(leading.fit, effect) for effect in hypothesis.ids},
+        "after": leading.shrinkage.after,
+        "percent": leading.shrinkage.percent,
+        "ci95": list(leading.shrinkage.ci95) if leading.shrinkage.ci95 else None,
+        "closed_loop": leading.closed_loop,
     }
 
 

@@ -75,6 +75,24 @@ def out_of_step(
     return float(np.sqrt(seen / noise)) if noise > 0.0 else None
 
 
+def over_white_noise(runs: "Sequence[RunData]", residuals: Sequence[Array]) -> float | None:
+    """As ``out_of_step``, for a residual whose measurement noise is white and smooth otherwise.
+
+    Third differences leave white noise, sqrt(20) times as large, and little of anything smooth.
+    """
+    repeated = [
+        (r, found)
+        for run, r in zip(runs, residuals)
+        if run.period and (found := repeatability(r, run.period)) is not None
+    ]
+    if not repeated:
+        return None
+    noise = np.concatenate([np.diff(r, 3, axis=0).ravel() for r, _ in repeated]) / np.sqrt(20.0)
+    seen = np.concatenate([found.ravel() for _, found in repeated])
+    level = float(np.sqrt(np.mean(noise**2)))
+    return float(np.sqrt(np.mean(seen**2))) / level if level > 0.0 else None
+
+
 def _noise_filter(frequency: Array, bandwidth: float, dt: float) -> Array:
     """Frequency response ((z - 1) / (z - p))^2 from measurement noise to prediction error."""
     z = np.exp(2j * np.pi * frequency * dt)

@@ -15,10 +15,9 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from .clock import replay
-from .drive_machine import DriveMachine
 from .fitting import Predictor, fit
 from .hypothesis import Hypothesis
-from .machine import Array, RunData
+from .machine import Array, Machine, RunData
 
 LARGEST_SHIFT = 8.0  # samples
 FAITHFUL = 0.01  # replay difference, relative to the rms command, that needs no explanation
@@ -55,13 +54,13 @@ class _Candidate:
         value = self.scale * x
         n = run.position.shape[1]
         if self.form == "positions late":
-            return replace(run, position=_advanced(run.position, value[0], run.dt))
+            return replace(run, position=_advanced(run.position, value[0], run.t))
         if self.form == "reference early":
             return replace(
                 run,
-                reference=_advanced(run.reference, -value[0], run.dt),
-                reference_rate=_advanced(run.reference_rate, -value[0], run.dt),
-                reference_acceleration=_advanced(run.reference_acceleration, -value[0], run.dt),
+                reference=_advanced(run.reference, -value[0], run.t),
+                reference_rate=_advanced(run.reference_rate, -value[0], run.t),
+                reference_acceleration=_advanced(run.reference_acceleration, -value[0], run.t),
             )
         if self.form == "offset in the log":
             return replace(run, position=np.ascontiguousarray(run.position - value[:n]))
@@ -77,7 +76,7 @@ class _Corrected(NamedTuple):
 
 
 def examine(
-    machine: DriveMachine, runs: Sequence[RunData], stated_lsb: float | None
+    machine: Machine, runs: Sequence[RunData], stated_lsb: float | None
 ) -> tuple[list[RunData], list[SignalFinding]]:
     """Corrected runs and what was found; only fit runs decide, all runs are corrected.
 
@@ -121,7 +120,7 @@ def examine(
     return [candidate.correct(run, x) for run in runs], findings + home
 
 
-def _candidates(machine: DriveMachine, dt: float, lsb: float) -> list[_Candidate]:
+def _candidates(machine: Machine, dt: float, lsb: float) -> list[_Candidate]:
     n = len(machine.joints)
     unit = machine.position_unit
     return [
@@ -163,7 +162,7 @@ def _fit(candidate: _Candidate, runs: Sequence[RunData]) -> tuple[Array, float]:
     return solution.x, float(np.sqrt(np.mean(residual(solution.x) ** 2)))
 
 
-def _predicted(machine: DriveMachine, runs: Sequence[RunData], corrected: _Corrected) -> float:
+def _predicted(machine: Machine, runs: Sequence[RunData], corrected: _Corrected) -> float:
     """Prediction error of the retuned nominal model on the corrected runs [position unit]."""
     seen = [corrected.candidate.correct(run, corrected.x) for run in runs]
     return fit(Predictor(machine, seen), Hypothesis()).rms
@@ -177,14 +176,13 @@ def _replay_errors(runs: Sequence[RunData]) -> Array:
     return np.concatenate([(replay(run) - run.command)[EDGE:-EDGE].ravel() for run in runs])
 
 
-def _advanced(signal: Array, shift: float, dt: float) -> Array:
+def _advanced(signal: Array, shift: float, t: Array) -> Array:
     """The signal ``shift`` seconds earlier, by linear interpolation; its ends are held."""
-    index = np.arange(len(signal), dtype=float)
-    moved = [np.interp(index + shift / dt, index, column) for column in signal.T]
+    moved = [np.interp(t + shift, t, column) for column in signal.T]
     return np.ascontiguousarray(np.column_stack(moved))
 
 
-def _places(candidate: _Candidate, x: Array, machine: DriveMachine) -> list[str]:
+def _places(candidate: _Candidate, x: Array, machine: Machine) -> list[str]:
     if candidate.effect == "sensor.timing":
         return list(machine.joints)
     largest = float(np.max(np.abs(x)))
@@ -192,7 +190,7 @@ def _places(candidate: _Candidate, x: Array, machine: DriveMachine) -> list[str]
 
 
 def _resolution(
-    runs: Sequence[RunData], stated_lsb: float | None, machine: DriveMachine
+    runs: Sequence[RunData], stated_lsb: float | None, machine: Machine
 ) -> list[SignalFinding]:
     """A coarser encoder than the log set states."""
     found = float(np.median([run.lsb for run in runs]))
@@ -212,7 +210,7 @@ def _resolution(
     ]
 
 
-def _home_offset(machine: DriveMachine, runs: Sequence[RunData]) -> list[SignalFinding]:
+def _home_offset(machine: Machine, runs: Sequence[RunData]) -> list[SignalFinding]:
     """A first reading that is away from the reference by the same amount in every run."""
     first = np.array([run.position[0] - run.reference[0] for run in runs])
     mean, spread = first.mean(axis=0), np.ptp(first, axis=0)

@@ -6,14 +6,17 @@ from collections.abc import Callable, Mapping
 
 from ....models.encoder import resolution
 from ...errors import InputError
-from ..logset import LogSet
+from ..logset import FILE, LogSet
 from ..machine import Machine, RunData
-from . import c_drive, slider
+from . import c_drive, pendulum, piezo_stack, slider
 
 KINDS: dict[str, Callable[[LogSet], tuple[Machine, list[RunData]]]] = {
     "c_drive": c_drive.read,
+    "pendulum": pendulum.read,
+    "piezo_stack": piezo_stack.read,
     "slider": slider.read,
 }
+UNEVEN = frozenset({"pendulum"})  # kinds whose samples may come at uneven times
 
 
 def stated_encoder_step(logset: LogSet) -> float | None:
@@ -44,5 +47,12 @@ def read_machine(logset: LogSet) -> tuple[Machine, list[RunData]]:
     if logset.kind not in KINDS:
         raise InputError(
             logset.folder, f"system.kind is {logset.kind!r}", f"one of {', '.join(sorted(KINDS))}"
+        )
+    if logset.uneven is not None and logset.kind not in UNEVEN:
+        raise InputError(
+            logset.folder / FILE,
+            f"an uneven clock, but system.kind is {logset.kind}",
+            f"sample_time_s in seconds; uneven samples are read for {', '.join(sorted(UNEVEN))}",
+            "Resample the log to a uniform clock.",
         )
     return KINDS[logset.kind](logset)
