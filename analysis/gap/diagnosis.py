@@ -299,11 +299,6 @@ def _warnings(
     warnings.extend(log.notes)
     if not log.validate:
         warnings.append(_held_back(runs))
-    if log.uneven is not None:
-        warnings.append(
-            f"The samples are uneven: {1e3 * log.dt:.2f} ms in the median, {1e3 * log.uneven:.2f} ms "
-            "rms away from it; the times of the log were used."
-        )
     if NO_CYCLES in shrunk.floor_source:
         warnings.append(
             f"The floor is a lower bound ({shrunk.floor_source}): the "

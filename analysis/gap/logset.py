@@ -39,7 +39,7 @@ TOP_KEYS = frozenset(
     ]
 )
 
-Read = Callable[[str, list[str], float, bool], list[Piece]]  # file, columns, dt, resample
+Read = Callable[[str, list[str], float | None, bool], list[Piece]]  # file, columns, dt, resample
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,10 +72,11 @@ class LogSet:
     kind: str
     system: Mapping[str, Any]
     controllers: Mapping[str, Mapping[str, Any]]
-    dt: float  # [s]
+    dt: float  # [s]; the median interval where the clock is uneven
     units: Mapping[str, str]
     remarks: Mapping[str, str]  # text of each column as written, with what follows the unit
     runs: tuple[Run, ...]
+    uneven: bool = False  # whether the samples come at uneven times, which are then those of t
     notes: tuple[str, ...] = ()  # what the reader of a diagnosis must know: resampling, stretches
 
     def sha256(self) -> str:
@@ -139,14 +140,14 @@ def logset_from_frames(
 
 
 def _from_disk(description: Path) -> Read:
-    def read(file: str, names: list[str], dt: float, resample: bool) -> list[Piece]:
+    def read(file: str, names: list[str], dt: float | None, resample: bool) -> list[Piece]:
         return read_pieces(description.parent / file, names, dt, resample=resample)
 
     return read
 
 
 def _from_memory(frames: Mapping[str, Mapping[str, Any]]) -> Read:
-    def read(file: str, names: list[str], dt: float, resample: bool) -> list[Piece]:
+    def read(file: str, names: list[str], dt: float | None, resample: bool) -> list[Piece]:
         if file not in frames:
             raise InputError("frames", f"no table {file!r}", f"one of {', '.join(frames)}")
         return read_pieces(Path(file), names, dt, resample=resample, table=frames[file])
@@ -159,9 +160,7 @@ def _logset(document: dict[str, Any], description: Path, read: Read) -> LogSet:
     kind = system.get("kind")
     if not isinstance(kind, str):
         raise InputError(description, f"system.kind is {kind!r}", "the name of a machine")
-    dt = document.get("sample_time_s")
-    if not isinstance(dt, int | float) or not 0.0 < dt < np.inf:
-        raise InputError(description, f"sample_time_s is {dt!r}", "a positive number of seconds")
+    dt = _sample_time(document, description)
     units = _units(document, description)
     controllers = _controllers(document, description)
     entries = document.get("runs")
@@ -169,11 +168,17 @@ def _logset(document: dict[str, Any], description: Path, read: Read) -> LogSet:
         raise InputError(description, "runs is missing or empty", "a list of runs")
     notes = _remarks(document, description)
     resample = _resample(document, description)
+    if resample and dt is None:
+        raise InputError(
+            description,
+            "`resample` and a sample_time_s that is no number",
+            "seconds to resample to",
+        )
 
     def runs_of() -> Iterator[Run]:
         for i, entry in enumerate(entries):
             file, settings = _entry(i, entry, description, controllers)
-            for piece in read(file, list(units), float(dt), resample):
+            for piece in read(file, list(units), dt, resample):
                 notes.extend(piece.notes)
                 yield _run(piece, settings)
 
@@ -186,7 +191,8 @@ def _logset(document: dict[str, Any], description: Path, read: Read) -> LogSet:
         kind=kind,
         system=system,
         controllers=controllers,
-        dt=float(dt),
+        dt=dt or float(np.median(np.concatenate([np.diff(r.columns["t"]) for r in runs]))),
+        uneven=dt is None,
         units=units,
         remarks={str(name): str(text) for name, text in document["columns"].items()},
         runs=runs,
@@ -206,6 +212,20 @@ def _remarks(document: Mapping[str, Any], path: Path) -> list[str]:
     if not isinstance(remarks, list):
         raise InputError(path, f"remarks is {str(remarks)[:60]!r}", "a list of texts")
     return [str(remark) for remark in remarks]
+
+
+def _sample_time(document: Mapping[str, Any], path: Path) -> float | None:
+    """Sample time [s], or None where the log set refers to its column t instead."""
+    dt = document.get("sample_time_s")
+    if isinstance(dt, str) and "t column" in dt:
+        return None
+    if isinstance(dt, bool) or not isinstance(dt, int | float) or not 0.0 < dt < np.inf:
+        raise InputError(
+            path,
+            f"sample_time_s is {dt!r}",
+            "a positive number of seconds, or a text with 'use the t column' for an uneven clock",
+        )
+    return float(dt)
 
 
 def _resample(document: Mapping[str, Any], path: Path) -> bool:

@@ -66,14 +66,15 @@ def jitter(t: Array) -> Jitter:
 def read_pieces(
     path: Path,
     names: Sequence[str],
-    dt: float,
+    dt: float | None,
     *,
     resample: bool = False,
     table: Mapping[str, Any] | None = None,
 ) -> list[Piece]:
     """The run in the file ``path`` (or the ``table`` of that name), whole or as stretches if it is long.
 
-    ``names`` are its columns, ``t`` [s] among them; ``dt`` [s] the stated interval. Memory is bounded
+    ``names`` are its columns, ``t`` [s] among them; ``dt`` [s] the stated interval, None for samples
+    that come at uneven times and stay there. Memory is bounded
     by ``stretches.LONGEST`` rows. Raises InputError that names row and column.
     """
     parts, longer = [], False
@@ -87,6 +88,11 @@ def read_pieces(
             break
     file = path if table is None else None
     if longer:
+        if dt is None:
+            raise InputError(
+                path, f"more than {stretches.LONGEST} rows at uneven times", "a shorter log",
+                "Cut the log into shorter runs.",
+            )  # fmt: skip
         return _stretches(path, names, dt, file, itertools.chain(parts, stream), table, resample)
     values = np.concatenate(parts) if parts else np.empty((0, len(names)))
     if len(values) < SHORTEST_RUN:
@@ -128,7 +134,7 @@ def _check_finite(path: Path, columns: Mapping[str, Array]) -> None:
 
 
 def _on_clock(
-    path: Path, columns: dict[str, Array], dt: float, resample: bool
+    path: Path, columns: dict[str, Array], dt: float | None, resample: bool
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """The columns on a uniform clock, and what is to be said of it."""
     t = columns["t"]
@@ -142,6 +148,8 @@ def _on_clock(
             "times that increase",
         )
     found = jitter(t)
+    if dt is None:
+        return columns, (f"{path.name}: {found}; uneven, the logged times are used.",)
     worst = float(np.max(np.abs(t - (t[0] + dt * np.arange(t.size)))))
     uneven = worst > JITTER_LIMIT * dt or np.max(np.abs(steps - dt)) > JITTER_LIMIT * dt
     if uneven and resample:

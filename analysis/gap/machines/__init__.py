@@ -48,11 +48,11 @@ def read_machine(logset: LogSet) -> tuple[Machine, list[RunData]]:
         raise InputError(
             logset.folder, f"system.kind is {logset.kind!r}", f"one of {', '.join(sorted(KINDS))}"
         )
-    if logset.uneven is not None and logset.kind not in UNEVEN:
+    if logset.uneven and logset.kind not in UNEVEN:
         raise InputError(
             logset.folder / FILE,
             f"an uneven clock, but system.kind is {logset.kind}",
             f"sample_time_s in seconds; uneven samples are read for {', '.join(sorted(UNEVEN))}",
-            "Resample the log to a uniform clock.",
+            "State sample_time_s in seconds and `resample: linear` in logset.yaml.",
         )
     return KINDS[logset.kind](logset)

@@ -128,7 +128,8 @@ def test_a_magnet_beside_the_pendulum_is_not_explained(tmp_path):
 def test_uneven_samples_are_for_machines_that_take_them(ideal, tmp_path):
     log = load_logset(ideal)
     assert log.dt == pytest.approx(5.3e-3, rel=0.05)
-    assert 1e-4 < log.uneven < 3e-4
+    assert log.uneven
+    assert all("uneven, the logged times are used" in note for note in log.notes)
     document = yaml.safe_load((ideal / "logset.yaml").read_text())
     document["system"] = {"kind": "slider"}
     other = tmp_path / "slider"
