@@ -185,6 +185,10 @@ def held_friction(v: Any, z: Any, dt: float, drive: Drive, out: Any) -> None:
             for j in range(1, n):
                 speed += drive.elements[i, j] * v[j]
             level = drive.element[i, FORWARD] if speed > 0.0 else drive.element[i, BACKWARD]
+            if drive.element[i, BREAKAWAY] != 0.0:  # LuGre's g(v)
+                level += friction.stribeck_peak(
+                    speed, drive.element[i, BREAKAWAY], drive.element[i, STRIBECK_SPEED]
+                )
             after = friction.bristle_step(speed, z[i], drive.element[i, STIFFNESS], level, dt)
             out[i] = 0.5 * drive.element[i, STIFFNESS] * (z[i] + after)
             z[i] = after

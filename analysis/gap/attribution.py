@@ -21,6 +21,7 @@ BEAM = 2  # single effects that a second one is added to
 LEAST_GAIN = 0.02  # smallest fall of the score worth another effect or another set of them
 FURTHER_SCREEN = 0.08  # a further effect must lower the loss by more; its price alone asks for 0.18
 NEAR_FLOOR = 1.03  # a residual this close to the floor, as a ratio, leaves nothing to explain
+DONE = 1.1  # nor does one this close call for a richer form of another effect
 IDLE = 1e-3  # a parameter whose loss rises by less than this without it goes at once
 CONTENDER = 1.5  # a search goes on while its residual is within this ratio of the best one's
 RESAMPLES = 1000
@@ -75,6 +76,8 @@ def attribute(
             f for f in smaller if f is not best and frozenset(f.hypothesis.ids) not in before
         ]
     for form in refined:
+        if form.effect not in best.hypothesis.ids and best.held_out_rms < DONE * floor:
+            continue
         progress(f"{form.effect}, {form.name}")
         fits.append(_pruned(predictor, _refine(predictor, best, retuned, form)))
     return rank([f for f in fits if f.converged], retuned, seed)

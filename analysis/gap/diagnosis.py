@@ -146,6 +146,8 @@ class Diagnosis:
             "gain_over_retuned": ranked.gain,
             "gain_ci95": list(ranked.gain_interval),
             "parameters": hypothesis.size,
+            "estimates": {e: _parameters(ranked.fit, e) for e in hypothesis.ids},
+            "signature_agreement": ranked.fit.agreement(self.retuned),
         }
 
 

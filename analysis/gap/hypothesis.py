@@ -113,6 +113,17 @@ class Fit:
         """Values by key."""
         return dict(zip(self.keys, (float(v) for v in self.values)))
 
+    def agreement(self, retuned: "Fit") -> float | None:
+        """Correlation of what the effects change in the prediction with what the retuned model lacks.
+
+        1 where all they change is missing, 0 where nothing is; None where residuals are not kept.
+        """
+        if self.residual.size == 0 or self.residual.size != retuned.residual.size:
+            return None
+        change = retuned.residual - self.residual
+        size = float(np.linalg.norm(change) * np.linalg.norm(retuned.residual))
+        return float(change @ retuned.residual) / size if size > 0.0 else 0.0
+
     @property
     def score(self) -> float:
         """Log of the held-out rms plus a price per parameter; smaller is better."""

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gapscope.models import friction
+from gapscope.models import drive, friction
 
 speeds = st.floats(-100.0, 100.0)
 levels = st.floats(0.0, 10.0)
@@ -50,3 +50,18 @@ def test_bristle_rate_is_the_derivative_of_the_step():
     v, z, stiffness, level, dt = 0.4, 5e-4, 200.0, 0.3, 1e-7
     slope = (friction.bristle_step(v, z, stiffness, level, dt) - z) / dt
     assert slope == pytest.approx(friction.bristle_rate(v, z, stiffness, level), rel=1e-4)
+
+
+def test_bristles_of_a_drive_hold_the_stribeck_level_at_low_speed():
+    """Steady sliding of LuGre: the force is g(v), the sliding level and what is left of the peak."""
+    plant = drive.ideal_drive(np.eye(1), np.ones((1, 1)), [0.0], 1e-3)
+    plant.element[0, [drive.FORWARD, drive.BACKWARD]] = 0.3
+    plant.element[0, drive.BREAKAWAY] = 0.2
+    plant.element[0, drive.STRIBECK_SPEED] = 2.0
+    plant.element[0, drive.STIFFNESS] = 1e3
+    for speed in (0.1, 1.0, -3.0):
+        z, out = np.zeros(1), np.zeros(1)
+        for _ in range(4000):
+            drive.held_friction(np.array([speed]), z, 1e-3, plant, out)
+        level = 0.3 + 0.2 * np.exp(-((speed / 2.0) ** 2))
+        assert out[0] == pytest.approx(np.sign(speed) * level, rel=1e-9)

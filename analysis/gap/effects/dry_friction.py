@@ -30,9 +30,21 @@ def width_parameter(machine: DriveMachine, scales: Scales) -> Parameter:
         "width",
         machine.unit("rate"),
         0.01 * scales.rate,
-        lower=1e-4 * scales.rate,
+        lower=5e-4 * scales.rate,  # steeper signs ask for short steps; bristles are as sharp
         upper=0.2 * scales.rate,
         starts=(0.01 * scales.rate,),
+    )
+
+
+def travel_parameter(machine: DriveMachine, scales: Scales) -> Parameter:
+    """Elastic travel of bristles too short to be an effect of its own."""
+    return parameter(
+        "travel",
+        machine.unit("position"),
+        0.2 * scales.presliding_travel,
+        lower=0.02 * scales.presliding_travel,
+        upper=scales.presliding_travel,
+        starts=(0.2 * scales.presliding_travel,),
     )
 
 

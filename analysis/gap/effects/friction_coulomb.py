@@ -2,7 +2,7 @@
 
 from ..drive_machine import DriveMachine
 from ..machine import Parameter
-from .base import RARE, Effect, Form, Scales, at, parameter
+from .base import RARE, Effect, Form, Scales, at
 from .dry_friction import (
     FAMILY,
     apply_bristles,
@@ -10,6 +10,7 @@ from .dry_friction import (
     asymmetry_parameter,
     asymmetry_parameters,
     level_parameters,
+    travel_parameter,
     width_parameter,
 )
 
@@ -18,14 +19,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """Levels by element and direction, with a smoothed sign or with bristles (Dahl)."""
     levels = level_parameters(machine, scales)
     width = width_parameter(machine, scales)
-    travel = parameter(
-        "travel",
-        machine.unit("position"),
-        0.2 * scales.presliding_travel,
-        lower=0.02 * scales.presliding_travel,
-        upper=scales.presliding_travel,
-        starts=(0.2 * scales.presliding_travel,),
-    )
+    travel = travel_parameter(machine, scales)
 
     def form(name: str, shape: Parameter, *, by_direction: bool) -> Form:
         law = apply_smooth_sign if shape is width else apply_bristles

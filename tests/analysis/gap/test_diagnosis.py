@@ -61,6 +61,9 @@ def test_a_planted_effect_is_found_with_place_and_size(
     assert found == pytest.approx(value, abs=tolerance)
     assert result["shrinkage"]["percent"] > 95.0
     assert result["shrinkage"]["ci95"][0] > 90.0
+    best = next(r for r in result["ranking"] if r["ids"] == [effect])
+    assert best["estimates"][effect][parameter]["value"] == pytest.approx(found)
+    assert best["signature_agreement"] > 0.9
 
 
 def test_no_gap_is_said_where_there_is_none(nominal_logset):
