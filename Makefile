@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 SOURCES := $(shell find models systems diagrams analysis -type f -not -path '*/__pycache__/*' 2>/dev/null)
 PYTEST := cd tests && ../$(BIN)/python -m pytest -c ../pyproject.toml --rootdir .. .
 
-.PHONY: demo test lint types studies clean
+.PHONY: demo test lint types studies docs clean
 demo: $(VENV)/installed
 	$(BIN)/gapscope demo --out out/demo
 
@@ -15,6 +15,12 @@ test: $(VENV)/installed lint types
 
 studies: $(VENV)/installed
 	$(PYTEST) -m slow
+
+# The public API from its docstrings, a static site in out/docs/.
+docs: $(VENV)/installed
+	$(BIN)/pdoc --docformat numpy --math --output-directory out/docs \
+		gapscope.models gapscope.systems gapscope.diagrams gapscope.analysis
+	$(BIN)/python -c 'from pathlib import Path; print(Path("out/docs/index.html").resolve())'
 
 lint: $(VENV)/tools
 	$(BIN)/ruff check .

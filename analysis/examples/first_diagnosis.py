@@ -11,6 +11,7 @@ import yaml
 
 from ...diagrams.c_drive_config import CDriveLoopConfig
 from ..gap.diagnosis import Diagnosis, diagnose
+from ..gap.picture import shrinkage_picture
 from ..simulation import simulate_c_drive, write_c_drive_run
 
 MOTIONS = ("translation", "rotation", "helical")
@@ -32,6 +33,7 @@ def main(folder: Path) -> Diagnosis:
     (folder / "logset.yaml").write_text(yaml.safe_dump(description, sort_keys=False))
     result = diagnose(folder)
     result.save(folder)
+    shrinkage_picture(result).savefig(folder / "first_diagnosis.png", dpi=120)
     return result
 
 
