@@ -7,6 +7,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -37,9 +38,9 @@ class ArmMachine(Machine):
 
     def forms(self, runs: Sequence[RunData]) -> list[Form]:
         """What may be wrong with an arm; ``own_effect.py`` adds to it."""
-        level = parameter("level", "N m", 0.1, lower=0.0, starts=(0.05,))
-        what = {"effect": "friction.coulomb", "name": "tanh", "parameters": (level,)}
-        return [Form(**what, apply=Arm.rub, where=lambda names: {"elements": ["bearing"]})]
+        what: dict[str, Any] = {"effect": "friction.coulomb", "name": "tanh", "apply": Arm.rub}
+        levels = (parameter("level", "N m", 0.1, lower=0.0, starts=(0.05,)),)
+        return [Form(**what, parameters=levels, where=lambda names: {"elements": ["bearing"]})]
 
     def spread(self, runs: Sequence[RunData]) -> float:
         """Rms torque [N m]: a prediction that errs by more explains nothing."""
