@@ -9,10 +9,16 @@ equation of motion subtracts it. Speeds in rad/s with torques in N m, or m/s wit
 4. Stribeck               :math:`f = (F_c + (F_s - F_c) e^{-(v/v_s)^2}) \tanh(v / w)`
 5. LuGre / Dahl           :math:`\dot z = v - \sigma_0 |v| z / g(v)`,
                           :math:`f = \sigma_0 z + \sigma_1 \dot z`
+6. sech form              :math:`f = b v + (F_c + F_x \operatorname{sech}(\alpha v)) \tanh(\beta v)` (2.26, 2.27)
+7. Stribeck level         :math:`g = F_c + (F_s - F_c) e^{-|v/v_s|^\delta}` (2.25, without its viscous term)
+8. stiction, Karnopp      :math:`f = g\,\mathrm{sgn}\,v` for :math:`|v| > w`, else the applied force up to
+                          :math:`F_s` (2.24); w = 0 is (2.24) as printed
 
 The raw sign of (2)-(4) chatters in fixed-step integration, hence the width ``w``. Not modelled
 here: dependence on temperature or wear. Sources: Friedlaender 2015, eqs. (2.6b-c); Canudas de Wit et al.
-1995 for (5).
+1995 for (5); Roldan, section 2.4.2 for (6)-(8). Roldan says that Karnopp's force is zero inside the zero
+velocity interval: then nothing would ever stick. Karnopp 1985 has it balance the applied force, as here.
+Maxwell slip stands in ``presliding``.
 """
 
 from typing import Any
@@ -82,3 +88,27 @@ def bristle_step(
     """Deflection after ``dt`` at constant speed: exact, so stiff bristles stay stable at any step."""
     steady = level * np.sign(v) / stiffness
     return steady + (deflection - steady) * np.exp(-stiffness * np.abs(v) * dt / level)
+
+
+def sech_dry(
+    v: Scalar, viscous: Scalar, coulomb: Scalar, excess: Scalar, alpha: Scalar, beta: Scalar
+) -> Scalar:
+    """Law (6), (2.27) of Roldan; ``excess = 0`` is (4.10), and (2.26) without the viscous term.
+
+    ``alpha`` and ``beta`` in 1/speed: how fast the excess decays and the sign changes.
+    """
+    return viscous * v + (coulomb + excess / np.cosh(alpha * v)) * np.tanh(beta * v)
+
+
+def stribeck_level(
+    v: Scalar, coulomb: Scalar, static: Scalar, stribeck_speed: Scalar, exponent: Scalar = 2.0
+) -> Scalar:
+    """Level g(v) of dry friction (7), from ``static`` at rest to ``coulomb`` at speed."""
+    return coulomb + (static - coulomb) * np.exp(-(np.abs(v / stribeck_speed) ** exponent))
+
+
+def karnopp(v: float, applied: float, level: float, static: float, dead_speed: float) -> float:
+    """Law (8) for floats: a contact slower than ``dead_speed`` holds ``applied`` up to ``static``."""
+    if np.abs(v) > dead_speed:
+        return level * np.sign(v)
+    return min(max(applied, -static), static)

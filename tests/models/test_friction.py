@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gapscope.models import drive, friction
+from gapscope.models import drive, friction, presliding
 
 speeds = st.floats(-100.0, 100.0)
 levels = st.floats(0.0, 10.0)
@@ -65,3 +65,69 @@ def test_bristles_of_a_drive_hold_the_stribeck_level_at_low_speed():
             drive.held_friction(np.array([speed]), z, 1e-3, plant, out)
         level = 0.3 + 0.2 * np.exp(-((speed / 2.0) ** 2))
         assert out[0] == pytest.approx(np.sign(speed) * level, rel=1e-9)
+
+
+def test_sech_form_is_coulomb_with_viscous_friction_far_out_and_peaks_in_between():
+    """Roldan (2.27): c v + F_c at speed; with excess the level near rest is F_c + F_x."""
+    assert friction.sech_dry(30.0, 0.02, 0.5, 0.3, 5.0, 100.0) == pytest.approx(0.5 + 0.6)
+    assert friction.sech_dry(0.05, 0.0, 0.5, 0.3, 1.0, 1000.0) == pytest.approx(0.8, rel=1e-3)
+    assert friction.sech_dry(-0.4, 0.0, 0.5, 0.0, 1.0, 3.0) == pytest.approx(
+        -0.5 * friction.smooth_sign(0.4, 1.0 / 3.0)
+    )
+
+
+def test_stribeck_level_falls_from_static_to_coulomb():
+    assert friction.stribeck_level(0.0, 0.5, 0.8, 0.1) == pytest.approx(0.8)
+    assert friction.stribeck_level(-0.1, 0.5, 0.8, 0.1) == pytest.approx(0.5 + 0.3 / np.e)
+    assert friction.stribeck_level(0.2, 0.5, 0.8, 0.1, 1.0) == pytest.approx(0.5 + 0.3 / np.e**2)
+    assert friction.stribeck_level(9.0, 0.5, 0.8, 0.1) == pytest.approx(0.5)
+
+
+@given(applied=st.floats(-3.0, 3.0))
+def test_stiction_holds_what_is_applied_up_to_its_limit(applied):
+    held = friction.karnopp(0.0, applied, 0.5, 0.8, 0.0)
+    assert held == (applied if abs(applied) <= 0.8 else np.sign(applied) * 0.8)
+    assert friction.karnopp(-0.02, applied, 0.5, 0.8, 0.01) == -0.5
+    assert friction.karnopp(0.005, applied, 0.5, 0.8, 0.01) == held
+
+
+STIFFNESS, SHARES, LEVEL = np.array([900.0, 300.0, 100.0]), np.array([0.5, 0.3, 0.2]), 2.0
+
+
+def maxwell_path(displacement, level=LEVEL):
+    """Total force of three elements along a path of displacements, a step each."""
+    forces, slipping, total = np.zeros(3), [False] * 3, []
+    for step in np.diff(displacement, prepend=0.0):
+        for i in range(3):
+            forces[i], slipping[i] = presliding.maxwell_step(
+                step / 1e-3, forces[i], slipping[i], STIFFNESS[i], SHARES[i], level, 1e9, 1e-3
+            )
+        total.append(forces.sum())
+    return np.array(total)
+
+
+def test_maxwell_slip_starts_as_a_spring_and_ends_at_its_level():
+    path = np.linspace(0.0, 0.02, 2001)[1:]
+    force = maxwell_path(path)
+    elastic = path < 0.9 * np.min(SHARES * LEVEL / STIFFNESS)
+    assert force[elastic] == pytest.approx(STIFFNESS.sum() * path[elastic])
+    assert force[-1] == pytest.approx(LEVEL)
+
+
+def test_maxwell_slip_forgets_an_inner_loop():
+    """Nonlocal memory (Masing): a small loop closes, and the path goes on as if it had not been."""
+    up = np.linspace(0.0, 0.003, 301)[1:]
+    inner = np.concatenate([np.linspace(0.003, 0.002, 101)[1:], np.linspace(0.002, 0.003, 101)[1:]])
+    on = np.linspace(0.003, 0.006, 301)[1:]
+    straight = maxwell_path(np.concatenate([up, on]))
+    looped = maxwell_path(np.concatenate([up, inner, on]))
+    assert looped[-300:] == pytest.approx(straight[-300:], abs=0.02 * LEVEL)
+    loss = np.trapezoid(looped[299:500], np.concatenate([up, inner])[299:])
+    assert loss > 0.0  # friction took work out of the loop
+
+
+def test_maxwell_element_reverses_by_sticking_and_approaches_a_new_level():
+    assert presliding.maxwell_step(-1.0, 1.0, True, 10.0, 0.5, LEVEL, 1.0, 0.01) == (0.9, False)
+    force, slipping = presliding.maxwell_step(1.0, 1.5, True, 10.0, 0.5, LEVEL, 4.0, 0.5)
+    assert slipping
+    assert force == pytest.approx(1.0 + 0.5 * np.exp(-1.0))
