@@ -8,6 +8,7 @@ Corrected here: (B.2) second row has l3 for l2; (B.22) is 1 + (...)^2, which sol
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -50,7 +51,7 @@ class FiveBar:
         """H, l1, l2, l3, l4 [m], as ``linkage`` takes them."""
         return self.base, self.crank1, self.rod2, self.rod3, self.crank4
 
-    @property
+    @cached_property
     def bodies(self) -> Floats:
         """Of BODIES and rotors (7, 6): link from the base, arm along it [m], own link, arm, kg, kg m^2."""
         r1, r2, r3, r4 = self.centres
@@ -134,9 +135,26 @@ def motion(cranks: ArrayLike, rates: ArrayLike, machine: FiveBar, mode: int = 1)
 
 def equations(cranks: ArrayLike, rates: ArrayLike, machine: FiveBar, mode: int = 1) -> Equations:
     """``energy.equations`` of one posture, crank angles and rates (2,), in a hundredth of the time."""
-    q, v = np.asarray(cranks, dtype=float), np.asarray(rates, dtype=float)
-    lengths = np.array([*machine.lengths, mode], dtype=float)
+    q, v, lengths = _posture(cranks, rates, machine, mode)
     return Equations(*kernels.five_bar_equations(q, v, lengths, machine.bodies, machine.weight))
+
+
+def tool_motion(
+    cranks: ArrayLike, rates: ArrayLike, machine: FiveBar, mode: int = 1
+) -> tuple[Floats, Floats]:
+    """Jacobian (2, 2) and drift (2,) of the tool in one posture, crank angles and rates (2,)."""
+    q, v, lengths = _posture(cranks, rates, machine, mode)
+    tool = BODIES.index("tool")
+    jacobian, drift = kernels.five_bar_motion(q, v, lengths, machine.bodies[tool : tool + 1])
+    return jacobian[0, :2], drift[0, :2]
+
+
+def _posture(
+    cranks: ArrayLike, rates: ArrayLike, machine: FiveBar, mode: int
+) -> tuple[Floats, ...]:
+    """Arguments of the kernels."""
+    q, v = np.asarray(cranks, dtype=float), np.asarray(rates, dtype=float)
+    return q, v, np.array([*machine.lengths, mode], dtype=float)
 
 
 def _pair(first: Floats, second: Floats) -> Floats:

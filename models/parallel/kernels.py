@@ -20,13 +20,8 @@ def project_all(
 
 
 @compilation.kernel
-def five_bar_equations(q: Any, v: Any, lengths: Any, bodies: Any, weight: float) -> Any:
-    """I (2, 2), C (2,) and G (2,) of a five-bar at crank angles and rates (2,).
-
-    ``lengths`` are base, l1 .. l4 and the mode; a row of ``bodies`` is first link, arm along it, second
-    link, arm along it, mass and inertia; the body turns with its second link. Links count 0 .. 3 from
-    crank 1 to crank 4.
-    """
+def five_bar_motion(q: Any, v: Any, lengths: Any, bodies: Any) -> Any:
+    """Jacobian (b, 3, 2) and drift (b, 3) of the bodies of ``five_bar_equations``."""
     base, l1, l2, l3, l4, mode = lengths
     at = linkage.rods(q[0], q[1], v[0], v[1], base, l1, l2, l3, l4, mode)
     two, three, by21, by24, by31, by34, drift2, drift3 = at
@@ -35,7 +30,6 @@ def five_bar_equations(q: Any, v: Any, lengths: Any, bodies: Any, weight: float)
     drifts = (0.0, drift2, drift3, 0.0)
     count = bodies.shape[0]
     jacobian, drift = np.zeros((count, 3, 2)), np.zeros((count, 3))
-    mass, pull = np.empty((count, 3)), np.zeros((count, 3))
     for b in range(count):
         for arm in range(2):
             link, length = int(bodies[b, 2 * arm]), bodies[b, 2 * arm + 1]
@@ -52,6 +46,21 @@ def five_bar_equations(q: Any, v: Any, lengths: Any, bodies: Any, weight: float)
         turning = int(bodies[b, 2])
         jacobian[b, 2, 0], jacobian[b, 2, 1] = by1[turning], by4[turning]
         drift[b, 2] = drifts[turning]
+    return jacobian, drift
+
+
+@compilation.kernel
+def five_bar_equations(q: Any, v: Any, lengths: Any, bodies: Any, weight: float) -> Any:
+    """I (2, 2), C (2,) and G (2,) of a five-bar at crank angles and rates (2,).
+
+    ``lengths`` are base, l1 .. l4 and the mode; a row of ``bodies`` is first link, arm along it, second
+    link, arm along it, mass and inertia; the body turns with its second link. Links count 0 .. 3 from
+    crank 1 to crank 4.
+    """
+    count = bodies.shape[0]
+    mass, pull = np.empty((count, 3)), np.zeros((count, 3))
+    jacobian, drift = five_bar_motion(q, v, lengths, bodies)
+    for b in range(count):
         mass[b, 0] = mass[b, 1] = bodies[b, 4]
         mass[b, 2] = bodies[b, 5]
         pull[b, 1] = weight * bodies[b, 4]
