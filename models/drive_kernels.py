@@ -146,7 +146,7 @@ def simulate(
     q = np.zeros(shafts)
     for j in range(shafts):
         q[j] = position[0, j % n]
-    v, z, held, lag, torque = _rest(plant)
+    v, z, held, lag, torque = rest(plant)
     work = drive.work_arrays(shafts)
     for k in range(samples):
         for j in range(n):
@@ -182,7 +182,7 @@ def predict(
     q = np.zeros(shafts)
     for j in range(shafts):
         q[j] = position[0, j % n]
-    v, z, held, lag, torque = _rest(plant)
+    v, z, held, lag, torque = rest(plant)
     work = drive.work_arrays(shafts)
     for k in range(samples):
         for j in range(n):
@@ -201,7 +201,7 @@ def correction_gains(bandwidth: float, dt: float) -> tuple[float, float]:
 
 
 @compilation.kernel
-def _rest(plant: Drive) -> tuple[Any, ...]:
+def rest(plant: Drive) -> tuple[Any, ...]:
     """Speeds, bristle deflections, held forces, lag states and torques of a machine at rest."""
     m, shafts = plant.elements.shape
     return np.zeros(shafts), np.zeros(m), np.zeros(m), np.zeros((2, shafts)), np.zeros(shafts)

@@ -1,17 +1,25 @@
 """What control and simulation need to know of a parallel machine, and the five-bar as one."""
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import five_bar
+from . import energy, five_bar, mast, prs
 from .energy import Equations, Floats
 from .five_bar import FiveBar
 
 
-class ParallelMachine(Protocol):
+class Part(Protocol):
+    """Bodies of a machine that move together with it."""
+
+    def equations(self, q: ArrayLike, v: ArrayLike) -> Equations:
+        """Equations of motion without the actuators at q and rates v (..., n)."""
+
+
+class ParallelMachine(Part, Protocol):
     """A machine in its n actuated coordinates q with n task coordinates x."""
 
     @property
@@ -22,8 +30,8 @@ class ParallelMachine(Protocol):
     def task(self) -> tuple[str, ...]:
         """Names of the task coordinates."""
 
-    def equations(self, q: ArrayLike, v: ArrayLike) -> Equations:
-        """Equations of motion of the machine without its actuators at q and rates v (n,)."""
+    def parts(self) -> Mapping[str, Part]:
+        """``machine``, all of it, and by name what one kilogram more of a body or load would be."""
 
     def forward(self, q: ArrayLike) -> Floats:
         """Task coordinates (..., n) at q (..., n); NaN where the loops do not close."""
@@ -46,8 +54,22 @@ class FiveBarMachine:
     task: tuple[str, ...] = ("x", "y")
 
     def equations(self, q: ArrayLike, v: ArrayLike) -> Equations:
-        """Equations of motion at one posture."""
-        return five_bar.equations(q, v, self.geometry, self.assembly)
+        """Equations of motion; compiled for one posture."""
+        g = self.geometry
+        if np.ndim(q) == 1:
+            return five_bar.equations(q, v, g, self.assembly)
+        motion = five_bar.motion(q, v, g, self.assembly)
+        return energy.equations(motion, g.body_masses, g.body_inertias, g.weight)
+
+    def parts(self) -> Mapping[str, Part]:
+        """The machine, and one kilogram at the tool."""
+        alone = replace(
+            self.geometry,
+            masses=(0.0, 0.0, 0.0, 0.0, 1.0),
+            inertias=(0.0, 0.0, 0.0, 0.0),
+            rotors=(0.0, 0.0),
+        )
+        return {"machine": self, "tool": replace(self, geometry=alone)}
 
     def forward(self, q: ArrayLike) -> Floats:
         """Tool positions [m]."""
@@ -64,6 +86,51 @@ class FiveBarMachine:
         motion = five_bar.motion(q, v, self.geometry, self.assembly)
         tool = five_bar.BODIES.index("tool")
         return motion.jacobian[..., tool, :2, :], motion.drift[..., tool, :2]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TableMachine:
+    """A table on three P-R-S legs; joint coordinates are slider positions [m]."""
+
+    table: prs.Table = mast.MAST
+    joints: tuple[str, ...] = ("slider1", "slider2", "slider3")
+    task: tuple[str, ...] = ("z", "psi", "theta")
+
+    def equations(self, q: ArrayLike, v: ArrayLike) -> Equations:
+        """Equations of motion."""
+        return prs.dynamics(q, v, self.table)
+
+    def parts(self) -> Mapping[str, Part]:
+        """The table, and one kilogram at the platform's origin."""
+        alone = replace(
+            self.table,
+            bar_mass=0.0,
+            bar_inertia=0.0,
+            platform_mass=1.0,
+            platform_inertia=(0.0,) * 6,
+            carriage_mass=0.0,
+            platform_centre=(0.0, 0.0, 0.0),
+        )
+        return {"machine": self, "platform": replace(self, table=alone)}
+
+    def forward(self, q: ArrayLike) -> Floats:
+        """Height [m] and angles psi, theta [rad] of the platform."""
+        return prs.forward(q, self.table)
+
+    def inverse(self, x: ArrayLike) -> Floats:
+        """Slider positions [m]."""
+        return prs.inverse(x, self.table)
+
+    def task_motion(self, q: ArrayLike, v: ArrayLike) -> tuple[Floats, Floats]:
+        """Jacobian of the tasks, and its drift by central differences along the motion (h = 1e-6 s)."""
+        h = 1e-6
+        q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
+
+        def jacobian(at: Floats) -> Floats:
+            return prs.task_jacobian(prs.forward(at, self.table), at, self.table)
+
+        change = (jacobian(q + h * v) - jacobian(q - h * v)) / (2.0 * h)
+        return jacobian(q), np.einsum("...ij,...j->...i", change, v)
 
 
 def joint_motion(

@@ -8,13 +8,14 @@ from ....models.encoder import resolution
 from ...errors import InputError
 from ..logset import FILE, LogSet
 from ..machine import Machine, RunData
-from . import c_drive, pendulum, piezo_stack, slider
+from . import c_drive, parallel, pendulum, piezo_stack, slider
 
 KINDS: dict[str, Callable[[LogSet], tuple[Machine, list[RunData]]]] = {
     "c_drive": c_drive.read,
     "pendulum": pendulum.read,
     "piezo_stack": piezo_stack.read,
     "slider": slider.read,
+    **{kind: parallel.reader(kind) for kind in parallel.KINDS},
 }
 UNEVEN = frozenset({"pendulum"})  # kinds whose samples may come at uneven times
 

@@ -1,0 +1,196 @@
+"""Nominal models of closed chains (``system.kind: five_bar``, ``mast``): geometry, axes and their logs.
+
+Columns of joint i: ``q{i}_ref`` and ``q{i}`` (rad, or m on a guide), and the motor's ``current{i}`` in A.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ....models.dc_motor import joint_per_motor
+from ....models.drive import BACKWARD, FORWARD, WIDTH, ideal_drive
+from ....models.parallel.five_bar import FiveBar
+from ....models.parallel.machine import FiveBarMachine, ParallelMachine, TableMachine
+from ....models.parallel.mast import MAST
+from ...errors import InputError
+from ..chain_machine import ChainMachine, ChainPlant, ChainRun, chain_plant, tables
+from ..logset import FILE, LogSet, Run
+from ..machine import RunData, encoder_step, own_parameter
+from .reference import derivatives
+from .settings import Settings, nominal_settings, require_units, tolerance
+
+AXIS_KEYS = frozenset({
+    "gear_ratio", "lead_m_per_rev", "torque_constant_Nm_per_A", "rotor_inertia_kg_m2",
+    "viscous_Nms_per_rad", "coulomb_Nm", "sign_width_rad_per_s",
+})  # fmt: skip
+SIGN_WIDTH = 0.1  # of the nominal dry friction, 1/beta of Table 4.1 [rad/s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kind:
+    """How one kind of closed chain is read."""
+
+    unit: str  # of a joint
+    keys: frozenset[str]  # of the geometry, in system.nominal
+    build: Callable[[Settings], ParallelMachine]
+
+
+def _five_bar(nominal: Settings) -> ParallelMachine:
+    d = FiveBar()
+    masses = tuple(
+        nominal.number(f"mass{i}_kg", default) for i, default in enumerate(d.masses, start=1)
+    )
+    geometry = replace(
+        d,
+        base=nominal.number("base_m", d.base),
+        crank1=nominal.number("crank1_m", d.crank1),
+        rod2=nominal.number("rod2_m", d.rod2),
+        rod3=nominal.number("rod3_m", d.rod3),
+        crank4=nominal.number("crank4_m", d.crank4),
+        tool=nominal.number("tool_m", d.tool),
+        masses=masses,
+    )
+    return FiveBarMachine(geometry=geometry)
+
+
+def _mast(nominal: Settings) -> ParallelMachine:
+    mass = nominal.number("platform_mass_kg", MAST.platform_mass, positive=True)
+    scale = mass / MAST.platform_mass
+    inertia = tuple(scale * i for i in MAST.platform_inertia)
+    bar = nominal.number("bar_mass_kg", MAST.bar_mass, positive=True)
+    return TableMachine(
+        table=replace(
+            MAST,
+            platform_mass=mass,
+            platform_inertia=inertia,
+            bar_mass=bar,
+            bar_inertia=MAST.bar_inertia * bar / MAST.bar_mass,
+        )
+    )
+
+
+KINDS = {
+    "five_bar": Kind(
+        unit="rad",
+        keys=frozenset(
+            {"base_m", "crank1_m", "rod2_m", "rod3_m", "crank4_m", "tool_m"}
+            | {f"mass{i}_kg" for i in range(1, 6)}
+        ),
+        build=_five_bar,
+    ),
+    "mast": Kind(unit="m", keys=frozenset({"platform_mass_kg", "bar_mass_kg"}), build=_mast),
+}
+
+
+def reader(kind: str) -> Callable[[LogSet], tuple[ChainMachine, list[RunData]]]:
+    """``read`` of one kind of closed chain."""
+
+    def read(logset: LogSet) -> tuple[ChainMachine, list[RunData]]:
+        chosen = KINDS[kind]
+        nominal = nominal_settings(logset, set(chosen.keys | AXIS_KEYS))
+        try:
+            chain = chosen.build(nominal)
+        except ValueError as error:
+            if isinstance(error, InputError):
+                raise
+            where = f"{logset.folder / FILE}, system.nominal"
+            raise InputError(where, str(error), "a machine that can be built") from None
+        numbers = range(1, len(chain.joints) + 1)
+        positions = {f"q{i}{end}": chosen.unit for i in numbers for end in ("", "_ref")}
+        require_units(logset, positions | {f"current{i}": "A" for i in numbers})
+        machine = chain_machine(kind, chain, nominal, tolerance(logset))
+        constant = nominal.number("torque_constant_Nm_per_A", positive=True)
+        return machine, [_run(run, logset, machine, constant) for run in logset.runs]
+
+    return read
+
+
+def chain_machine(
+    kind: str, chain: ParallelMachine, nominal: Settings, relative: float
+) -> ChainMachine:
+    """The machine for the instrument; its own parameters are those of its axes and its inertia as a whole."""
+    joints, n = chain.joints, len(chain.joints)
+    viscous = nominal.number("viscous_Nms_per_rad")
+    coulomb, width = (
+        nominal.number("coulomb_Nm", 0.0),
+        nominal.number("sign_width_rad_per_s", SIGN_WIDTH),
+    )
+    rotor = nominal.number("rotor_inertia_kg_m2", positive=True)
+    drive = ideal_drive(rotor * np.eye(n), np.eye(n), np.zeros(n), width)
+    drive.element[:, (FORWARD, BACKWARD)] = coulomb
+    drive.element[:, WIDTH] = width
+    parts = tuple(chain.parts())
+    lead = nominal.number("lead_m_per_rev", 0.0)
+    ratio = nominal.number("gear_ratio", 1.0, positive=True)
+
+    def build(values: Mapping[str, float]) -> ChainPlant:
+        plant = chain_plant(values, drive, parts, joints)
+        if coulomb:
+            plant.drive.element[:, (FORWARD, BACKWARD)] = values["coulomb"]
+        return plant
+
+    own = [
+        own_parameter("rotor_inertia", "kg m^2", rotor, relative),
+        own_parameter("machine_inertia", "-", 1.0, relative),
+        *(own_parameter(f"viscous_{j}", "N m s/rad", viscous, relative) for j in joints),
+    ]
+    if coulomb:
+        own.append(own_parameter("coulomb", "N m", coulomb, relative))
+    return ChainMachine(
+        kind=kind,
+        joints=joints,
+        elements=joints,
+        task=joints,
+        task_map=np.eye(n),
+        position_unit="rad",
+        effort_unit="N m",
+        own=tuple(own),
+        payload=(),
+        viscous_own=tuple(f"viscous_{j}" for j in joints),
+        ripples={f"1/{k} turn" if k > 1 else "1 turn": float(k) for k in (1, 2, 3, 4, 6, 8, 12)},
+        motor_share=0.8,
+        bandwidth=100.0,
+        plant=build,
+        chain=chain,
+        per_motor=joint_per_motor(ratio, lead or None),
+    )
+
+
+def _run(run: Run, logset: LogSet, machine: ChainMachine, constant: float) -> ChainRun:
+    numbers = range(1, len(machine.joints) + 1)
+    joints = run.stack(*(f"q{i}" for i in numbers))
+    terms = tables(machine.chain, joints, machine.per_motor)
+    if not np.isfinite(terms.inertia).all():
+        row = int(np.argmin(np.isfinite(terms.inertia).all(axis=(1, 2, 3))))
+        raise InputError(
+            f"{logset.folder / run.name}, row {row + 2}",
+            f"no posture of a {machine.kind} has the joint coordinates {joints[row].tolist()}",
+            "positions inside the workspace of system.nominal",
+            "Check the zero and the direction of the joints, and the geometry.",
+        )
+    reference = run.stack(*(f"q{i}_ref" for i in numbers)) / machine.per_motor
+    rate, acceleration = derivatives(reference, logset.dt)
+    position = np.ascontiguousarray(joints / machine.per_motor)
+    return ChainRun(
+        name=run.name,
+        use=run.use,
+        settings=run.settings,
+        dt=logset.dt,
+        t=run.columns["t"],
+        reference=reference,
+        reference_rate=rate,
+        reference_acceleration=acceleration,
+        position=position,
+        command=np.ascontiguousarray(constant * run.stack(*(f"current{i}" for i in numbers))),
+        controller=None,
+        period=_period(run.settings, logset.dt),
+        lsb=encoder_step(position),
+        tables=terms,
+    )
+
+
+def _period(settings: Mapping[str, Any], dt: float) -> int | None:
+    rate = settings.get("rate_Hz")
+    return round(1.0 / (rate * dt)) if isinstance(rate, int | float) and rate > 0.0 else None
