@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from .commands import (
+    bandwidth,
     blind,
     calibrate,
     compare,
@@ -30,6 +31,7 @@ app = typer.Typer(
 )
 app.add_typer(simulate.app, name="simulate")
 app.add_typer(compare.app, name="compare")
+app.add_typer(bandwidth.app, name="bandwidth")
 app.add_typer(workspace.app, name="workspace")
 simulate.app.command("pmc")(pmc.simulate)
 compare.app.command("pmc")(pmc.compare)
