@@ -1,0 +1,97 @@
+"""The table's bandwidth: printed resonance, gains, phases and torques; what the linear loop asks for."""
+
+import json
+
+import numpy as np
+import pytest
+
+from gapscope.analysis.mechatronic import mast_bandwidth, mast_report
+from gapscope.analysis.mechatronic.mast_bandwidth import PRINTED, Gains
+from gapscope.models import servo_kernels
+from gapscope.models.belt_axis import IDENTIFIED, MANUFACTURER
+from gapscope.models.servo_kernels import Axes
+
+
+@pytest.fixture(scope="module")
+def responses():
+    return {
+        table: mast_bandwidth.response("z", table=table, frequencies=(0.4, 4.0, 5.0, 10.0))
+        for table in (True, False)
+    }
+
+
+def test_resonances_of_the_belt_axis():
+    """TF_2 at about 900 Hz (section 4.2.3.1); f_n = 986.5 Hz of Table 4.2 is not met: 950 Hz."""
+    held, free = MANUFACTURER.resonances
+    assert held == pytest.approx(904.0, abs=1.0)
+    assert free == pytest.approx(950.0, abs=1.0)
+    s = 2j * np.pi * np.linspace(800.0, 1000.0, 2001)
+    peak = np.abs(MANUFACTURER.train.transfers(s)[1]).argmax()
+    assert s[peak].imag / (2.0 * np.pi) == pytest.approx(held, abs=0.2)
+
+
+def test_printed_response_is_that_of_a_gain_of_23_per_second_and_a_lag():
+    for f, (gain, phase) in PRINTED.items():
+        closed = gain * np.exp(1j * np.deg2rad(phase))
+        open_loop = closed / (1.0 - closed) * 2j * np.pi * f
+        assert abs(open_loop) == pytest.approx(22.8, rel=0.015)
+        assert -35.0 < np.rad2deg(np.angle(open_loop)) < 0.0
+
+
+def test_response_with_the_table_meets_the_printed_one(responses):
+    """Within 4 % of the command and 6 deg: what one gain, one sample time and one speed loop can do."""
+    found = responses[True]
+    for f, (gain, phase) in PRINTED.items():
+        i = list(found.frequencies).index(f)
+        assert found.gain[i] == pytest.approx(gain, abs=0.04)
+        assert found.phase[i] == pytest.approx(phase, abs=6.0)
+
+
+def test_table_hardly_moves_the_bandwidth(responses):
+    assert responses[True].bandwidth == pytest.approx(4.7, abs=0.1)
+    assert abs(responses[True].bandwidth - responses[False].bandwidth) < 0.1
+
+
+def test_torques_tell_friction_and_inertia():
+    """Figs. 4.24-4.26: 70 % off at 0.4 Hz, and too much torque at 10 Hz, with the manufacturers' values."""
+    slow, _, fast = mast_bandwidth.compare_torques()
+    assert slow.relative == pytest.approx(-0.70, abs=0.05)
+    assert fast.manufacturer - fast.identified == pytest.approx(0.1, abs=0.03)
+
+
+def test_frictionless_loop_is_its_transfer_function():
+    """One axis, fast loops: within 1 % of k_v / (s + k_v), whose speed loop and samples are not seen at 1 Hz."""
+    gains = Gains(position_period=1e-3, velocity_bandwidth=900.0)
+    loops, axis = gains.loops(MANUFACTURER), IDENTIFIED
+    t = 1e-3 * np.arange(4000)
+    reference = np.sin(2.0 * np.pi * t)[:, None]
+    inertia = axis.driving + axis.driven
+    plant = Axes(np.array([[1.0 / inertia]]), np.zeros(1), 0.0, 0.0, 1.0, axis.torque_constant)
+    angle, torque = np.empty((4000, 1)), np.empty((4000, 1))
+    servo_kernels.simulate(reference, 0.0 * reference, plant, loops, 4, angle, torque)
+    last = t >= 3.0
+    wave = np.exp(-2j * np.pi * t[last])
+    found = (angle[last, 0] @ wave) / (reference[last, 0] @ wave)
+    s = 2j * np.pi
+    assert abs(found / (24.0 / (s + 24.0)) - 1.0) < 0.02
+
+
+def test_report_holds_every_number(tmp_path):
+    study = mast_bandwidth.Study(
+        gains=Gains(),
+        responses=[
+            mast_bandwidth.response("z", table=table, frequencies=(0.5, 4.0, 6.0))
+            for table in (True, False)
+        ],
+        torques=mast_bandwidth.compare_torques(),
+        resonances=MANUFACTURER.resonances,
+        inertia_spread=mast_bandwidth.posture_spread(),
+    )
+    paths = mast_report.write(study, tmp_path / "out")
+    document = json.loads(paths[0].read_text())
+    assert document["assumed"]["position_gain"] == 24.0
+    assert document["responses"][0]["minus_3_dB_Hz"] == pytest.approx(4.7, abs=0.2)
+    assert len(document["remarks"]) == 5
+    assert paths[1].stat().st_size > 10_000
+    assert study.inertia_spread < 0.01
+    assert mast_report.table(study).row_count == 3
