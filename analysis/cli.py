@@ -15,6 +15,7 @@ from .commands import (
     demo,
     design,
     diagnose,
+    five_bar,
     importing,
     pmc,
     rig,
@@ -34,7 +35,9 @@ app.add_typer(compare.app, name="compare")
 app.add_typer(bandwidth.app, name="bandwidth")
 app.add_typer(workspace.app, name="workspace")
 simulate.app.command("pmc")(pmc.simulate)
+simulate.app.command("5r")(five_bar.simulate)
 compare.app.command("pmc")(pmc.compare)
+compare.app.command("5r")(five_bar.compare)
 app.add_typer(calibrate.app, name="calibrate")
 app.command("diagnose")(diagnose.diagnose)
 app.command("design")(design.design)

@@ -1,0 +1,148 @@
+"""Closed chains in the instrument, on logs of machines that share no code with it."""
+
+import numpy as np
+import pytest
+import yaml
+
+from gapscope.analysis.errors import InputError
+from gapscope.analysis.gap.chain_machine import tables
+from gapscope.analysis.gap.diagnosis import diagnose
+from gapscope.analysis.gap.fitting import Predictor, fit
+from gapscope.analysis.gap.floor import quantisation_floor
+from gapscope.analysis.gap.hypothesis import Hypothesis
+from gapscope.analysis.gap.logset import load_logset
+from gapscope.analysis.gap.machine import rms
+from gapscope.analysis.gap.machines import read_machine
+from gapscope.models.parallel.machine import FiveBarMachine, TableMachine
+
+from . import mast_machine
+from .five_bar_machine import Truth, write_log_set
+
+SEED = 0
+
+
+def test_prediction_error_of_a_right_model_is_the_encoders_noise(tmp_path):
+    machine, runs = read_machine(load_logset(write_log_set(tmp_path / "log", Truth(), SEED)))
+    plant = machine.build(machine.nominal()).finished()
+    for run in runs:
+        floor = quantisation_floor(run.lsb, machine.bandwidth, run.dt)
+        assert rms([machine.predict(run, plant)]) == pytest.approx(floor, rel=0.03)
+
+
+@pytest.mark.slow
+def test_five_bar_as_described_has_no_gap(tmp_path):
+    assert diagnose(write_log_set(tmp_path / "log", Truth(), SEED)).verdict.verdict == "no_gap"
+
+
+def fitted(folder, *wanted):
+    """The hypothesis of these (effect, form) fitted, beside the retuned nominal model."""
+    machine, runs = read_machine(load_logset(folder))
+    predictor = Predictor(machine, [run for run in runs if run.use == "fit"])
+    forms = tuple(f for f in machine.forms(runs) if (f.effect, f.name) in wanted)
+    assert len(forms) == len(wanted)
+    retuned = fit(predictor, Hypothesis())
+    return retuned, fit(predictor, Hypothesis(forms=forms), retuned)
+
+
+PAYLOAD = ("inertia.payload", "added inertia")
+COULOMB = ("friction.coulomb", "smoothed sign")
+
+
+def test_a_heavier_tool_is_measured(tmp_path):
+    """0.4 kg more at the tool than described, and the rotors as they are."""
+    retuned, found = fitted(write_log_set(tmp_path / "log", Truth(tool_mass=0.9), SEED), PAYLOAD)
+    values = found.by_key()
+    assert values[("inertia.payload", "extra_tool")] == pytest.approx(0.4, abs=0.002)
+    assert values[("inertia.payload", "extra_rotors")] == pytest.approx(0.0, abs=2e-6)
+    assert found.rms < 0.1 * retuned.rms
+
+
+def test_identified_table_told_from_the_manufacturers(tmp_path):
+    """Section 4.2.4.2: J_1 / 1.56 and 7.18e-2 N m of Coulomb friction, where data sheets say otherwise."""
+    log = mast_machine.write_log_set(tmp_path / "log")
+    retuned, found = fitted(log, PAYLOAD, COULOMB)
+    values = found.by_key()
+    less = mast_machine.DRIVING * (1.0 / 1.56 - 1.0)
+    assert values[("inertia.payload", "extra_rotors")] == pytest.approx(less, rel=0.03)
+    for i in (1, 2, 3):
+        level = values[("friction.coulomb", f"level_slider{i}")]
+        assert level == pytest.approx(7.18e-2 - 1.949e-2, rel=0.03)
+    assert found.rms < 0.3 * retuned.rms
+
+
+@pytest.mark.slow
+def test_diagnosis_of_the_table(tmp_path):
+    found = diagnose(mast_machine.write_log_set(tmp_path / "log")).to_json()
+    assert found["verdict"] == "explained"
+    assert {e["id"] for e in found["effects"]} == {"friction.coulomb", "inertia.payload"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("truth", "effect", "where"),
+    [
+        (Truth(tool_mass=0.9), "inertia.payload", {"axes": ["tool"]}),
+        (Truth(coulomb=(0.478, 0.7)), "friction.coulomb", {"elements": ["crank4"]}),
+    ],
+)
+def test_diagnosis_of_the_five_bar(tmp_path, truth, effect, where):
+    found = diagnose(write_log_set(tmp_path / "log", truth, SEED)).to_json()
+    assert found["verdict"] == "explained"
+    assert [(e["id"], e["where"]) for e in found["effects"]] == [(effect, where)]
+    assert found["shrinkage"]["percent"] > 99.0
+
+
+@pytest.mark.parametrize("machine", [FiveBarMachine(), TableMachine()])
+def test_tables_hold_the_machine_s_equations(machine):
+    """Torque of the tables at any rates and accelerations is that of the inverse dynamics, times i_R."""
+    rng = np.random.default_rng(71)
+    n = len(machine.joints)
+    home = np.array([1.9, 1.1]) if n == 2 else np.zeros(3)
+    q = home + 0.05 * rng.normal(size=(6, n))
+    rate, acceleration, per = rng.normal(size=n), rng.normal(size=n), 0.02
+    terms = tables(machine, q, per)
+    for p, part in enumerate(machine.parts().values()):
+        for k in range(len(q)):
+            torque = terms.inertia[k, p] @ acceleration + terms.gravity[k, p]
+            torque = torque + np.einsum("ijk,j,k->i", terms.velocity[k, p], rate, rate)
+            force = part.equations(q[k], per * rate).force(per * acceleration)
+            assert torque == pytest.approx(per * force, rel=1e-9, abs=1e-12)
+
+
+def bad_log_set(folder, change):
+    folder.mkdir()
+    t = 1e-3 * np.arange(200)
+    columns = np.column_stack([t, *[0 * t + 2.0, 0 * t + 1.0] * 2, 0 * t, 0 * t])
+    np.savetxt(
+        folder / "run1.csv", columns, delimiter=",", comments="",
+        header="t,q1_ref,q2_ref,q1,q2,current1,current2",
+    )  # fmt: skip
+    units = {f"q{i}{end}": "rad" for i in (1, 2) for end in ("", "_ref")}
+    document = {
+        "format": 1, "name": "bad",
+        "system": {"kind": "five_bar", "nominal": {
+            "gear_ratio": 40.0, "torque_constant_Nm_per_A": 1.43, "rotor_inertia_kg_m2": 1e-3,
+            "viscous_Nms_per_rad": 1e-3,
+        }},
+        "controllers": {"pd": {"kind": "not stated"}}, "sample_time_s": 1e-3,
+        "columns": {"t": "s", **units, "current1": "A", "current2": "A"},
+        "runs": [{"file": "run1.csv", "use": "fit", "controller": "pd"}],
+    }  # fmt: skip
+    change(document)
+    (folder / "logset.yaml").write_text(yaml.safe_dump(document))
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda d: d["system"]["nominal"].pop("rotor_inertia_kg_m2"), "rotor_inertia_kg_m2"),
+        (lambda d: d["system"]["nominal"].update(base_m=-1.0), "base is -1"),
+        (lambda d: d["system"]["nominal"].update(crank_m=1.0), "unknown key 'crank_m'"),
+        (lambda d: d["columns"].update(q1="deg"), "the unit is 'deg'"),
+        (lambda d: d["system"]["nominal"].update(rod3_m=0.1), "row 2"),
+    ],
+)
+def test_unusable_input_is_one_error(tmp_path, change, message):
+    with pytest.raises(InputError, match=message):
+        read_machine(load_logset(bad_log_set(tmp_path / "log", change)))
