@@ -62,7 +62,10 @@ def profile() -> Array:
 
 
 def measure(axis: ServoAxis, noise: float = 0.01, seed: int = 0) -> Measurement:
-    """The profile on an axis without a machine, under its velocity loop; torque noise in N m."""
+    """The profile on an axis without a machine, under its velocity loop; torque noise in N m.
+
+    Logged are means over ``PERIOD``: instants would alias the transients of the stairs.
+    """
     wanted = profile()
     ratio = 28
     loops = Loops(0.0, 1.0, 0.0, 0.14, 11.45, np.inf, PERIOD / ratio, ratio)
@@ -74,10 +77,11 @@ def measure(axis: ServoAxis, noise: float = 0.01, seed: int = 0) -> Measurement:
     rates = np.ascontiguousarray(wanted[:, None])
     servo_kernels.simulate(np.zeros_like(rates), rates, plant, loops, 4, angle, torque)
     fine = np.gradient(angle[:, 0], PERIOD / ratio)
+    mean = fine.reshape(-1, ratio).mean(axis=1)
+    ends = np.append(fine[::ratio], fine[-1])
     rng = np.random.default_rng(seed)
-    logged = torque[::ratio, 0] + noise * rng.normal(size=wanted.size)
-    acceleration = np.gradient(fine, PERIOD / ratio)[::ratio]
-    return Measurement(rate=fine[::ratio], acceleration=acceleration, torque=logged)
+    logged = torque.reshape(-1, ratio).mean(axis=1) + noise * rng.normal(size=wanted.size)
+    return Measurement(rate=mean, acceleration=np.diff(ends) / PERIOD, torque=logged)
 
 
 def identify(data: Measurement, *, filter_regressors: bool = True) -> Identified:

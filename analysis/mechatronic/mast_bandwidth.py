@@ -116,9 +116,9 @@ def simulate(
     index, size = MOTIONS[motion]
     cycles = max(3, int(np.ceil(2.0 * frequency)))
     samples = int(np.ceil(cycles / frequency / gains.velocity_period))
-    t = gains.velocity_period * np.arange(samples)
+    t: Array = gains.velocity_period * np.arange(samples, dtype=float)
     loops = gains.loops(MANUFACTURER)
-    task = np.tile(HOME, (samples, 1))
+    task: Array = np.tile(HOME, (samples, 1))
     task[:, index] += size * np.sin(2.0 * np.pi * frequency * t)
     reference = prs.inverse(task, mast.MAST) / axis.per_motor
     angle, torque = np.empty((samples, 3)), np.empty((samples, 3))

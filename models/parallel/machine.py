@@ -139,6 +139,8 @@ def joint_motion(
     """Joint positions, rates and accelerations (..., n) of a motion of the task coordinates (..., n)."""
     q = machine.inverse(x)
     jacobian, _ = machine.task_motion(q, np.zeros_like(q))
-    rate = np.linalg.solve(jacobian, np.asarray(v)[..., None])[..., 0]
+    rate: Floats = np.linalg.solve(jacobian, np.asarray(v, dtype=float)[..., None])[..., 0]
     _, drift = machine.task_motion(q, rate)
-    return q, rate, np.linalg.solve(jacobian, (np.asarray(a) - drift)[..., None])[..., 0]
+    net = np.asarray(a, dtype=float) - drift
+    acceleration: Floats = np.linalg.solve(jacobian, net[..., None])[..., 0]
+    return q, rate, acceleration
