@@ -6,8 +6,7 @@
                                             +-> inverse dynamics of the machine
 
 Joint-space control closes its outer loop on the joints, workspace control on the tool, computed torque replaces
-position and velocity loop by the inverse dynamics. The machine either loads the axes as a disturbance computed
-from their motion (Fig. 3.4), or is one plant with them.
+the outer loops by the inverse dynamics. The machine is a disturbance of the axes (Fig. 3.4) or one plant with them.
 """
 
 from dataclasses import dataclass, field
@@ -19,7 +18,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import Gain
 
 from ..models.parallel.machine import FiveBarMachine
-from ..models.paths import Line, Path
+from ..models.paths import Path
 from ..models.servo_axis import ServoAxis
 from ..systems.servo.axes import CoupledAxes, ServoAxes
 from ..systems.servo.computed_torque import ComputedTorqueLoop
@@ -71,12 +70,11 @@ class FiveBarLoop:
 PORTS = ("reference", "joint_reference", "joint_position", "joint_rate", "current", "position")
 
 
-def build(loop: FiveBarLoop, path: Path | None = None) -> Diagram:
+def build(loop: FiveBarLoop, path: Path) -> Diagram:
     """The diagram, at rest at the start of the path, with the output ports ``PORTS``.
 
     Raises ValueError where the path starts out of reach.
     """
-    path = path or Line(start=(-0.6, 0.7), end=(0.6, 0.7), feed=1.0, acceleration=1.0)
     start = loop.machine.inverse(path.sample(0.0)[0])
     if not np.isfinite(start).all():
         raise ValueError(f"the path starts at {path.sample(0.0)[0]} m; expected a point in reach")
@@ -84,20 +82,19 @@ def build(loop: FiveBarLoop, path: Path | None = None) -> Diagram:
     source = builder.AddNamedSystem("path", PathSource(path))
     inverse = builder.AddNamedSystem("inverse_kinematics", InverseKinematics(loop.machine))
     forward = builder.AddNamedSystem("forward_kinematics", ForwardKinematics(loop.machine))
-    axes = _axes(builder, loop, start)
     _connect(builder, source, inverse, ("position", "velocity", "acceleration"))
+    axes = _axes(builder, loop, start)
     current = _control(builder, loop, source, inverse, axes)
     builder.Connect(current, axes.GetInputPort("current"))
     builder.Connect(axes.GetOutputPort("position"), forward.GetInputPort("joint_position"))
-    ports = (
+    for name, port in zip(PORTS, (
         source.GetOutputPort("position"),
         inverse.GetOutputPort("joint_position"),
         axes.GetOutputPort("position"),
         axes.GetOutputPort("rate"),
         current,
         forward.GetOutputPort("position"),
-    )
-    for name, port in zip(PORTS, ports):
+    )):  # fmt: skip
         builder.ExportOutput(port, name)
     return builder.Build()
 
@@ -112,9 +109,7 @@ def _axes(builder: DiagramBuilder, loop: FiveBarLoop, start: Any) -> Any:
     return axes
 
 
-def _control(
-    builder: DiagramBuilder, loop: FiveBarLoop, source: Any, inverse: Any, axes: Any
-) -> Any:
+def _control(builder: Any, loop: FiveBarLoop, source: Any, inverse: Any, axes: Any) -> Any:
     """The controller's system, connected; its port of currents."""
     task = loop.scheme in (Scheme.workspace, Scheme.torque_workspace)
     names = ("position", "velocity", "acceleration")
@@ -122,26 +117,23 @@ def _control(
         names, source = ("joint_position", "joint_rate", "joint_acceleration"), inverse
     reference = dict(zip(("reference", "reference_rate", "reference_acceleration"), names))
     if loop.scheme in (Scheme.torque, Scheme.torque_workspace):
-        outer: Any = ComputedTorqueLoop(
+        controller: Any = builder.AddNamedSystem("computed_torque", ComputedTorqueLoop(
             loop.machine, loop.axis, period=loop.velocity_period,
             kp=loop.torque_kp, kv=loop.torque_kv, workspace=task,
-        )  # fmt: skip
-        controller = builder.AddNamedSystem("computed_torque", outer)
+        ))  # fmt: skip
         builder.Connect(axes.GetOutputPort("rate"), controller.GetInputPort("joint_rate"))
         current = controller.GetOutputPort("current")
     else:
-        outer = PositionLoop(
+        controller = builder.AddNamedSystem("position_loop", PositionLoop(
             2, period=loop.position_period, gain=loop.position_gain,
             per_motor=loop.axis.per_motor, feedforward=loop.feedforward,
             filter_time=loop.position_filter, machine=loop.machine if task else None,
-        )  # fmt: skip
-        controller = builder.AddNamedSystem("position_loop", outer)
+        ))  # fmt: skip
         del reference["reference_acceleration"]
-        inner = PILoop(
+        velocity = builder.AddNamedSystem("velocity_loop", PILoop(
             2, period=loop.velocity_period, kp=loop.velocity_kp, ki=loop.velocity_ki,
             limit=loop.current_limit, filter_time=loop.velocity_filter,
-        )  # fmt: skip
-        velocity = builder.AddNamedSystem("velocity_loop", inner)
+        ))  # fmt: skip
         gear = builder.AddNamedSystem("gear", Gain(1.0 / loop.axis.per_motor, 2))
         builder.Connect(axes.GetOutputPort("rate"), gear.get_input_port())
         builder.Connect(gear.get_output_port(), velocity.GetInputPort("measured"))
