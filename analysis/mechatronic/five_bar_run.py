@@ -80,7 +80,7 @@ def simulate(
     path = PATHS[name]
     builder = DiagramBuilder()
     diagram = builder.AddSystem(build(loop, path))
-    sinks = {}
+    sinks: dict[str, Any] = {}
     for port in PORTS:
         sinks[port] = builder.AddSystem(VectorLogSink(2, publish_period=loop.velocity_period))
         builder.Connect(diagram.GetOutputPort(port), sinks[port].get_input_port())
@@ -92,7 +92,8 @@ def simulate(
         if progress is not None:
             progress(root.get_time())
         own = diagram.GetMyContextFromRoot(root)
-        if np.all(np.abs(diagram.GetOutputPort("joint_rate").Eval(own)) < 1e3):
+        rate: Any = diagram.GetOutputPort("joint_rate").Eval(own)
+        if np.all(np.abs(rate) < 1e3):
             return EventStatus.DidNothing()
         return EventStatus.ReachedTermination(diagram, "diverged")
 

@@ -139,8 +139,9 @@ def joint_motion(
     """Joint positions, rates and accelerations (..., n) of a motion of the task coordinates (..., n)."""
     q = machine.inverse(x)
     jacobian, _ = machine.task_motion(q, np.zeros_like(q))
-    rate: Floats = np.linalg.solve(jacobian, np.asarray(v, dtype=float)[..., None])[..., 0]
+    speed = np.asarray(v, dtype=float)[..., None]
+    rate = np.asarray(np.linalg.solve(jacobian, speed)[..., 0], dtype=np.float64)
     _, drift = machine.task_motion(q, rate)
     net = np.asarray(a, dtype=float) - drift
-    acceleration: Floats = np.linalg.solve(jacobian, net[..., None])[..., 0]
-    return q, rate, acceleration
+    acceleration = np.linalg.solve(jacobian, net[..., None])[..., 0]
+    return q, rate, np.asarray(acceleration, dtype=np.float64)

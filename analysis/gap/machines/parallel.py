@@ -39,7 +39,7 @@ class Kind:
 
 def _five_bar(nominal: Settings) -> ParallelMachine:
     d = FiveBar()
-    masses = tuple(
+    masses: Any = tuple(
         nominal.number(f"mass{i}_kg", default) for i, default in enumerate(d.masses, start=1)
     )
     geometry = replace(
@@ -58,7 +58,7 @@ def _five_bar(nominal: Settings) -> ParallelMachine:
 def _mast(nominal: Settings) -> ParallelMachine:
     mass = nominal.number("platform_mass_kg", MAST.platform_mass, positive=True)
     scale = mass / MAST.platform_mass
-    inertia = tuple(scale * i for i in MAST.platform_inertia)
+    inertia: Any = tuple(scale * i for i in MAST.platform_inertia)
     bar = nominal.number("bar_mass_kg", MAST.bar_mass, positive=True)
     return TableMachine(
         table=replace(
