@@ -140,7 +140,7 @@ def bad_log_set(folder, change):
         (lambda d: d["system"]["nominal"].update(base_m=-1.0), "base is -1"),
         (lambda d: d["system"]["nominal"].update(crank_m=1.0), "unknown key 'crank_m'"),
         (lambda d: d["columns"].update(q1="deg"), "the unit is 'deg'"),
-        (lambda d: d["system"]["nominal"].update(rod3_m=0.1), "row 2"),
+        (lambda d: d["system"]["nominal"].update(rod3_m=0.05), "row 2"),
     ],
 )
 def test_unusable_input_is_one_error(tmp_path, change, message):
