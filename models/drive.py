@@ -102,9 +102,30 @@ def acceleration(
     shafts at time ``t`` [s]; ``work`` (n,) is overwritten. Arrays may hold floats, AutoDiffXd or
     Expressions.
     """
+    n = drive.elements.shape[1]
+    net_torque(q, v, held, torque, t, drive, work)
+    for c in range(drive.coupling.shape[0]):
+        i, j = int(drive.coupling[c, FROM_SHAFT]), int(drive.coupling[c, TO_SHAFT])
+        force = coupling_force(
+            q[i] - q[j],
+            v[i] - v[j],
+            drive.coupling[c, COUPLING_STIFFNESS],
+            drive.coupling[c, COUPLING_DAMPING],
+            drive.coupling[c, GAP],
+        )
+        work[i] -= force
+        work[j] += force
+    for j in range(n):
+        out[j] = drive.inertia_inverse[j, 0] * work[0]
+        for k in range(1, n):
+            out[j] += drive.inertia_inverse[j, k] * work[k]
+
+
+def net_torque(q: Any, v: Any, held: Any, torque: Any, t: Any, drive: Drive, out: Any) -> None:
+    """Torques ``out`` (n,) that are left to accelerate the shafts, without couplings: eqs. (2)-(4)."""
     m, n = drive.elements.shape
     for j in range(n):
-        work[j] = torque[j] - load(
+        out[j] = torque[j] - load(
             q[j],
             drive.shaft[j, BIAS],
             drive.shaft[j, RIPPLE_COS],
@@ -113,7 +134,7 @@ def acceleration(
         )
         if drive.shaft[j, LOAD_FRICTION] != 0.0:
             step = friction.smooth_sign(v[j], drive.element[j, WIDTH])
-            work[j] -= drive.shaft[j, LOAD_FRICTION] * np.abs(torque[j]) * step
+            out[j] -= drive.shaft[j, LOAD_FRICTION] * np.abs(torque[j]) * step
     for i in range(m):
         speed = drive.elements[i, 0] * v[0]
         for j in range(1, n):
@@ -138,22 +159,7 @@ def acceleration(
             force *= np.exp(-t * drive.element[i, FADE])
         force += held[i]
         for j in range(n):
-            work[j] -= drive.elements[i, j] * force
-    for c in range(drive.coupling.shape[0]):
-        i, j = int(drive.coupling[c, FROM_SHAFT]), int(drive.coupling[c, TO_SHAFT])
-        force = coupling_force(
-            q[i] - q[j],
-            v[i] - v[j],
-            drive.coupling[c, COUPLING_STIFFNESS],
-            drive.coupling[c, COUPLING_DAMPING],
-            drive.coupling[c, GAP],
-        )
-        work[i] -= force
-        work[j] += force
-    for j in range(n):
-        out[j] = drive.inertia_inverse[j, 0] * work[0]
-        for k in range(1, n):
-            out[j] += drive.inertia_inverse[j, k] * work[k]
+            out[j] -= drive.elements[i, j] * force
 
 
 def load(q: Any, bias: Any, ripple_cos: Any, ripple_sin: Any, wavenumber: Any) -> Any:
@@ -192,6 +198,25 @@ def held_friction(v: Any, z: Any, dt: float, drive: Drive, out: Any) -> None:
             after = friction.bristle_step(speed, z[i], drive.element[i, STIFFNESS], level, dt)
             out[i] = 0.5 * drive.element[i, STIFFNESS] * (z[i] + after)
             z[i] = after
+
+
+def deliver_torques(k: int, command: Any, lag: Any, dt: float, drive: Drive, out: Any) -> None:
+    """Mean torques ``out`` of the actuated shafts during sample ``k`` of ``command`` (samples, n), eq. (4).
+
+    Moves the states ``lag`` (2, n) of both stages on.
+    """
+    for j in range(command.shape[1]):
+        late = delayed_command(command, k, j, drive.shaft[j, DELAY], dt)
+        out[j], lag[0, j], lag[1, j] = delivered_torque(
+            late,
+            lag[0, j],
+            lag[1, j],
+            drive.shaft[j, GAIN],
+            drive.shaft[j, LIMIT],
+            drive.shaft[j, LAG],
+            drive.shaft[j, STAGES],
+            dt,
+        )
 
 
 def work_arrays(n: int) -> tuple[Any, ...]:

@@ -254,18 +254,7 @@ def advance(
     work: Any,
 ) -> None:
     """Move the plant on by one sample under ``command`` (samples, n); notes the delivered torque."""
-    for j in range(command.shape[1]):
-        late = drive.delayed_command(command, k, j, plant.shaft[j, drive.DELAY], dt)
-        torque[j], lag[0, j], lag[1, j] = drive.delivered_torque(
-            late,
-            lag[0, j],
-            lag[1, j],
-            plant.shaft[j, drive.GAIN],
-            plant.shaft[j, drive.LIMIT],
-            plant.shaft[j, drive.LAG],
-            plant.shaft[j, drive.STAGES],
-            dt,
-        )
+    drive.deliver_torques(k, command, lag, dt, plant, torque)
     step = dt / substeps
     for part in range(substeps):
         drive.held_friction(v, z, step, plant, held)

@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from .sharing import Cluster, Workers
+
 Out = Annotated[Path, typer.Option(help="Folder for the results.")]
 
 
@@ -90,3 +92,45 @@ def compare(out: Out) -> None:
     comparison.write(result, out)
     typer.echo(comparison.finding(result))
     typer.echo(f"wrote {out / 'comparison.json'}, comparison.md, comparison.png, prototype.png")
+
+
+def flaws(
+    out: Out,
+    only: Annotated[
+        list[str] | None, typer.Option(help="A flaw to try, all by default; may be repeated.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Draws the robot's deviations.")] = 0,
+    workers: Workers = 1,
+    cluster: Cluster = None,
+) -> None:
+    """PepperMill-Carrier: diagnose logs of an independent robot with flaws the diagnosis is not told.
+
+    Writes a log set and diagnosis.json for each, flaws.json and flaws.md. Finished flaws are kept in OUT/.done.
+    """
+    import json
+
+    from rich.progress import Progress
+
+    from ..errors import InputError
+    from ..files import output_folder, write_whole
+    from ..pmc import flaws as study
+    from ..resumable import resumable_map
+
+    names = only or list(study.FLAWS)
+    for name in names:
+        if name not in study.FLAWS:
+            raise InputError("--only", f"{name!r}", f"one of {', '.join(study.FLAWS)}")
+    folder = output_folder(out)
+    with Progress(transient=True) as bar:
+        task = bar.add_task("diagnosing")
+        outcomes = resumable_map(
+            study.trial,
+            [{"name": name, "folder": str(folder), "seed": seed} for name in names],
+            folder / ".done",
+            workers=workers,
+            cluster=cluster,
+            progress=lambda done, total: bar.update(task, completed=done, total=total),
+        )
+    write_whole(folder / "flaws.json", json.dumps(outcomes, indent=1) + "\n")
+    write_whole(folder / "flaws.md", study.markdown(outcomes, seed))
+    typer.echo((folder / "flaws.md").read_text())

@@ -136,7 +136,12 @@ class PMCParameters:
     @classmethod
     def load(cls, path: str | Path) -> "PMCParameters":
         """Parameters from a YAML file of these fields; a field left out keeps its default."""
-        return _build(cls, yaml.safe_load(Path(path).read_text()) or {}, str(path))
+        return cls.from_mapping(yaml.safe_load(Path(path).read_text()) or {}, str(path))
+
+    @classmethod
+    def from_mapping(cls, values: dict, where: str) -> "PMCParameters":
+        """Parameters from nested mappings; ValueError, beginning with ``where``, for an unknown key."""
+        return _build(cls, values, where)
 
     def save(self, path: str | Path) -> None:
         """Write all fields as YAML."""

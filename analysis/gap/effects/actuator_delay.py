@@ -1,11 +1,10 @@
 """A whole-sample or transport delay between command and torque."""
 
 from ....models.drive import DELAY
-from ..drive_machine import DriveMachine, DrivePlant
-from .base import Effect, Form, Scales, Values, everywhere, parameter
+from .base import Effect, Form, Scales, ShaftMachine, ShaftPlant, Values, everywhere, parameter
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """The same delay, whole or fractional samples, in every command path."""
     dt = scales.dt
     delay = parameter(
@@ -27,7 +26,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     ]
 
 
-def _apply(plant: DrivePlant, values: Values) -> None:
+def _apply(plant: ShaftPlant, values: Values) -> None:
     plant.drive.shaft[:, DELAY] += values["delay"]
 
 

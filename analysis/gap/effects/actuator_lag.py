@@ -3,11 +3,20 @@
 from collections.abc import Callable
 
 from ....models.drive import LAG, STAGES
-from ..drive_machine import DriveMachine, DrivePlant
-from .base import RARE, Effect, Form, Scales, Values, everywhere, parameter
+from .base import (
+    RARE,
+    Effect,
+    Form,
+    Scales,
+    ShaftMachine,
+    ShaftPlant,
+    Values,
+    everywhere,
+    parameter,
+)
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """The same lag in every actuator, of one stage or of two equal ones."""
     dt = scales.dt
     lag = parameter(
@@ -26,8 +35,8 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     ]
 
 
-def _lag(stages: int) -> Callable[[DrivePlant, Values], None]:
-    def apply(plant: DrivePlant, values: Values) -> None:
+def _lag(stages: int) -> Callable[[ShaftPlant, Values], None]:
+    def apply(plant: ShaftPlant, values: Values) -> None:
         plant.drive.shaft[:, LAG] = values["time_constant"]
         plant.drive.shaft[:, STAGES] = stages
 

@@ -3,11 +3,10 @@
 from collections.abc import Callable
 
 from ....models.drive import RIPPLE_COS, RIPPLE_SIN, RIPPLE_WAVENUMBER
-from ..drive_machine import DriveMachine, DrivePlant
-from .base import Effect, Form, Scales, Values, at, parameter
+from .base import Effect, Form, Scales, ShaftMachine, ShaftPlant, Values, at, parameter
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """One form for each spatial frequency that machines of this kind show."""
     parameters = tuple(
         parameter(f"{part}_{s}", machine.unit("effort"), 0.1 * scales.effort, starts=(0.0,))
@@ -28,8 +27,8 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     ]
 
 
-def _ripple(machine: DriveMachine, wavenumber: float) -> Callable[[DrivePlant, Values], None]:
-    def apply(plant: DrivePlant, values: Values) -> None:
+def _ripple(machine: ShaftMachine, wavenumber: float) -> Callable[[ShaftPlant, Values], None]:
+    def apply(plant: ShaftPlant, values: Values) -> None:
         for j, s in enumerate(machine.joints):
             plant.drive.shaft[j, RIPPLE_WAVENUMBER] = wavenumber
             plant.drive.shaft[j, RIPPLE_COS] += values.get(f"cos_{s}", 0.0)

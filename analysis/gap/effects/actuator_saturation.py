@@ -1,11 +1,10 @@
 """A torque, current or voltage limit that clips the command."""
 
 from ....models.drive import LIMIT
-from ..drive_machine import DriveMachine, DrivePlant
-from .base import Effect, Form, Scales, Values, everywhere, parameter
+from .base import Effect, Form, Scales, ShaftMachine, ShaftPlant, Values, everywhere, parameter
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """One limit for all actuators; it has no gradient until it bites, so it starts inside the data."""
     peak = scales.effort_peak
     limit = parameter(
@@ -27,7 +26,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     ]
 
 
-def _apply(plant: DrivePlant, values: Values) -> None:
+def _apply(plant: ShaftPlant, values: Values) -> None:
     plant.drive.shaft[:, LIMIT] = values["limit"]
 
 

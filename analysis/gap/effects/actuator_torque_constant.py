@@ -1,12 +1,11 @@
 """A wrong gain from command to torque."""
 
 from ....models.drive import GAIN
-from ..drive_machine import DriveMachine, DrivePlant
 from ..machine import Parameter
-from .base import Effect, Form, Scales, Values, at, everywhere, parameter
+from .base import Effect, Form, Scales, ShaftMachine, ShaftPlant, Values, at, everywhere, parameter
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """One gain error for all actuators; a second form lets each have its own."""
 
     def bounded(name: str) -> Parameter:
@@ -23,7 +22,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
         return [common]
     each = tuple(bounded(f"gain_error_{s}") for s in machine.joints)
 
-    def apply(plant: DrivePlant, values: Values) -> None:
+    def apply(plant: ShaftPlant, values: Values) -> None:
         for j, s in enumerate(machine.joints):
             plant.drive.shaft[j, GAIN] *= 1.0 + values.get(f"gain_error_{s}", 0.0)
 
@@ -38,7 +37,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     return [common, own]
 
 
-def _apply_common(plant: DrivePlant, values: Values) -> None:
+def _apply_common(plant: ShaftPlant, values: Values) -> None:
     plant.drive.shaft[:, GAIN] *= 1.0 + values["gain_error"]
 
 

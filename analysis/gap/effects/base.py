@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from ....models.drive import Drive
 from ..drive_machine import DriveMachine
-from ..machine import Parameter, RunData
+from ..machine import Array, Parameter, RunData
 
 RARE = 0.03  # price of a form that a plainer one nearly contains
 
@@ -51,6 +52,39 @@ def scales_of(runs: Sequence[RunData]) -> Scales:
 
 
 Values = Mapping[str, float]
+
+
+class ShaftMachine(Protocol):
+    """A machine behind shafts with the actuators and friction elements of ``models.drive``."""
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the shafts."""
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Friction elements; the first n are the shafts' own bearings."""
+
+    @property
+    def viscous_own(self) -> tuple[str, ...]:
+        """Own parameters that are viscous friction of the elements."""
+
+    @property
+    def ripples(self) -> Mapping[str, float]:
+        """Spatial frequencies [1/position unit] by the name of a period."""
+
+    def unit(self, quantity: str) -> str:
+        """Unit of a quantity: effort, rate, viscous or stiffness."""
+
+
+class ShaftPlant(Protocol):
+    """What the effects of actuators and friction change."""
+
+    inertia: Array  # (shafts, shafts) felt at the shafts
+    drive: Drive
+    substeps: int
+    time: float
+    sensor_scale: Array | None
 
 
 @dataclass(frozen=True, kw_only=True)

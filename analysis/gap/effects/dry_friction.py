@@ -5,9 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ....models.drive import BACKWARD, FORWARD, STIFFNESS, WIDTH
-from ..drive_machine import DriveMachine, DrivePlant
 from ..machine import Parameter
-from .base import Scales, Values, parameter
+from .base import Scales, ShaftMachine, ShaftPlant, Values, parameter
 
 MOST_SUBSTEPS = 8
 STABLE = 2.0  # Runge-Kutta steps are kept below this many time constants of the smoothed sign
@@ -16,7 +15,7 @@ STABLE = 2.0  # Runge-Kutta steps are kept below this many time constants of the
 FAMILY = "dry friction"
 
 
-def level_parameters(machine: DriveMachine, scales: Scales) -> tuple[Parameter, ...]:
+def level_parameters(machine: ShaftMachine, scales: Scales) -> tuple[Parameter, ...]:
     """A level for each friction element."""
     return tuple(
         parameter(f"level_{e}", machine.unit("effort"), scales.effort, lower=0.0)
@@ -24,7 +23,7 @@ def level_parameters(machine: DriveMachine, scales: Scales) -> tuple[Parameter, 
     )
 
 
-def width_parameter(machine: DriveMachine, scales: Scales) -> Parameter:
+def width_parameter(machine: ShaftMachine, scales: Scales) -> Parameter:
     """Speed over which the smoothed sign changes."""
     return parameter(
         "width",
@@ -36,7 +35,7 @@ def width_parameter(machine: DriveMachine, scales: Scales) -> Parameter:
     )
 
 
-def travel_parameter(machine: DriveMachine, scales: Scales) -> Parameter:
+def travel_parameter(machine: ShaftMachine, scales: Scales) -> Parameter:
     """Elastic travel of bristles too short to be an effect of its own."""
     return parameter(
         "travel",
@@ -53,17 +52,17 @@ def asymmetry_parameter(name: str) -> Parameter:
     return parameter(name, "-", 0.3, lower=-1.0, upper=1.0)
 
 
-def asymmetry_parameters(machine: DriveMachine) -> tuple[Parameter, ...]:
+def asymmetry_parameters(machine: ShaftMachine) -> tuple[Parameter, ...]:
     """An asymmetry for each friction element."""
     return tuple(asymmetry_parameter(f"asymmetry_{e}") for e in machine.elements)
 
 
 def apply_smooth_sign(
-    machine: DriveMachine, scales: Scales
-) -> Callable[[DrivePlant, Values], None]:
+    machine: ShaftMachine, scales: Scales
+) -> Callable[[ShaftPlant, Values], None]:
     """Levels with a smoothed sign of the given width; short steps keep it stable."""
 
-    def apply(plant: DrivePlant, values: Values) -> None:
+    def apply(plant: ShaftPlant, values: Values) -> None:
         _add_levels(plant, values, machine)
         plant.drive.element[:, WIDTH] = values["width"]
         keep_stable(plant, scales)
@@ -71,7 +70,7 @@ def apply_smooth_sign(
     return apply
 
 
-def keep_stable(plant: DrivePlant, scales: Scales) -> None:
+def keep_stable(plant: ShaftPlant, scales: Scales) -> None:
     """Shorten the plant's steps to what the steepest smoothed sign asks for."""
     element = plant.drive.element
     steepest = float(np.max(element[:, (FORWARD, BACKWARD)].max(axis=1) / element[:, WIDTH]))
@@ -80,10 +79,10 @@ def keep_stable(plant: DrivePlant, scales: Scales) -> None:
     plant.substeps = max(plant.substeps, min(wanted, MOST_SUBSTEPS))
 
 
-def apply_bristles(machine: DriveMachine, scales: Scales) -> Callable[[DrivePlant, Values], None]:
+def apply_bristles(machine: ShaftMachine, scales: Scales) -> Callable[[ShaftPlant, Values], None]:
     """Levels reached after an elastic travel, Dahl's law."""
 
-    def apply(plant: DrivePlant, values: Values) -> None:
+    def apply(plant: ShaftPlant, values: Values) -> None:
         _add_levels(plant, values, machine)
         levels = plant.drive.element[:, (FORWARD, BACKWARD)]
         plant.drive.element[:, STIFFNESS] = levels.mean(axis=1) / values["travel"]
@@ -91,7 +90,7 @@ def apply_bristles(machine: DriveMachine, scales: Scales) -> Callable[[DrivePlan
     return apply
 
 
-def _add_levels(plant: DrivePlant, values: Values, machine: DriveMachine) -> None:
+def _add_levels(plant: ShaftPlant, values: Values, machine: ShaftMachine) -> None:
     for i, e in enumerate(machine.elements):
         level = values.get(f"level_{e}", 0.0)
         asymmetry = values.get(f"asymmetry_{e}", values.get("asymmetry", 0.0))

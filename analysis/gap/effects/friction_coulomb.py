@@ -1,8 +1,7 @@
 """Dry friction whose level does not depend on speed; may differ by element and direction."""
 
-from ..drive_machine import DriveMachine
 from ..machine import Parameter
-from .base import RARE, Effect, Form, Scales, at
+from .base import RARE, Effect, Form, Scales, ShaftMachine, at
 from .dry_friction import (
     FAMILY,
     apply_bristles,
@@ -15,7 +14,7 @@ from .dry_friction import (
 )
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """Levels by element and direction, with a smoothed sign or with bristles (Dahl)."""
     levels = level_parameters(machine, scales)
     width = width_parameter(machine, scales)
@@ -45,7 +44,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     return [*found, _one_way(machine, scales)] if len(machine.elements) > 1 else found
 
 
-def _one_way(machine: DriveMachine, scales: Scales) -> Form:
+def _one_way(machine: ShaftMachine, scales: Scales) -> Form:
     """Every level larger by one share in one direction: what else looks like a load on all shafts."""
     levels = level_parameters(machine, scales)
     return Form(

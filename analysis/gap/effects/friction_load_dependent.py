@@ -1,17 +1,16 @@
 """Friction that grows with the transmitted torque."""
 
 from ....models.drive import LOAD_FRICTION
-from ..drive_machine import DriveMachine, DrivePlant
-from .base import Effect, Form, Scales, Values, at, parameter
+from .base import Effect, Form, Scales, ShaftMachine, ShaftPlant, Values, at, parameter
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """A share of each shaft's drive torque that is lost to friction."""
     parameters = tuple(
         parameter(f"share_{s}", "-", 0.1, lower=0.0, upper=0.9) for s in machine.joints
     )
 
-    def apply(plant: DrivePlant, values: Values) -> None:
+    def apply(plant: ShaftPlant, values: Values) -> None:
         for j, s in enumerate(machine.joints):
             plant.drive.shaft[j, LOAD_FRICTION] += values.get(f"share_{s}", 0.0)
 

@@ -1,11 +1,10 @@
 """Elastic, hysteretic displacement before sliding, long enough for the encoder to see it."""
 
-from ..drive_machine import DriveMachine
-from .base import RARE, Effect, Form, Scales, at, parameter
+from .base import RARE, Effect, Form, Scales, ShaftMachine, at, parameter
 from .dry_friction import FAMILY, apply_bristles, level_parameters
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """Dahl's bristles with a travel of many encoder steps."""
     levels = level_parameters(machine, scales)
     shortest = scales.presliding_travel

@@ -3,9 +3,8 @@
 from collections.abc import Callable
 
 from ....models.drive import BREAKAWAY, STRIBECK_SPEED
-from ..drive_machine import DriveMachine, DrivePlant
 from ..machine import Parameter
-from .base import RARE, Effect, Form, Scales, Values, at, parameter
+from .base import RARE, Effect, Form, Scales, ShaftMachine, ShaftPlant, Values, at, parameter
 from .dry_friction import (
     FAMILY,
     apply_bristles,
@@ -16,7 +15,7 @@ from .dry_friction import (
 )
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """Levels, what breakaway adds to them as a share, and the speed over which that decays.
 
     With a smoothed sign or, where that is the best explanation, with bristles of a short travel (LuGre).
@@ -32,8 +31,8 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
         starts=(0.1 * scales.rate, 0.3 * scales.rate),
     )
 
-    def form(name: str, shape: Parameter, law: Callable[[DrivePlant, Values], None]) -> Form:
-        def apply(plant: DrivePlant, values: Values) -> None:
+    def form(name: str, shape: Parameter, law: Callable[[ShaftPlant, Values], None]) -> Form:
+        def apply(plant: ShaftPlant, values: Values) -> None:
             law(plant, values)
             for i, e in enumerate(machine.elements):
                 extra = values["breakaway_share"] * values.get(f"level_{e}", 0.0)

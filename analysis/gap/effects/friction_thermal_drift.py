@@ -3,14 +3,23 @@
 import numpy as np
 
 from ....models.drive import BACKWARD, FADE, FORWARD, STRIBECK_SPEED, VISCOUS, WIDTH
-from ..drive_machine import DriveMachine, DrivePlant
-from .base import RARE, Effect, Form, Scales, Values, everywhere, parameter
+from .base import (
+    RARE,
+    Effect,
+    Form,
+    Scales,
+    ShaftMachine,
+    ShaftPlant,
+    Values,
+    everywhere,
+    parameter,
+)
 from .dry_friction import keep_stable, width_parameter
 
 WARM_UP = 200.0  # s
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """Viscous and dry friction of the cold machine, dying away with the time it has run.
 
     The lubricant is the same everywhere, so all viscous friction thickens by one share. Applies
@@ -25,7 +34,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
         starts=(WARM_UP, 0.3 * scales.duration, 3.0 * scales.duration),
     )  # fmt: skip
 
-    def apply(plant: DrivePlant, values: Values) -> None:
+    def apply(plant: ShaftPlant, values: Values) -> None:
         left = np.exp(-plant.time / values["warm_up"])
         n = len(machine.joints)
         cold = np.zeros_like(plant.drive.element)

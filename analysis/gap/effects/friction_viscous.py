@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 
 from ....models.drive import VISCOUS, VISCOUS_SKEW
-from ..drive_machine import DriveMachine, DrivePlant
 from ..machine import Parameter
-from .base import RARE, Effect, Form, Scales, Values, at, parameter
+from .base import RARE, Effect, Form, Scales, ShaftMachine, ShaftPlant, Values, at, parameter
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """Extra coefficient of each friction element, and what it has more forward than backward."""
     scale = scales.effort / scales.rate
     extra = [
@@ -20,7 +19,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
         for e in machine.elements
     ]
 
-    def apply(plant: DrivePlant, values: Values) -> None:
+    def apply(plant: ShaftPlant, values: Values) -> None:
         for i, e in enumerate(machine.elements):
             plant.drive.element[i, VISCOUS] += values.get(f"viscous_{e}", 0.0)
             plant.drive.element[i, VISCOUS_SKEW] += values.get(f"skew_{e}", 0.0)

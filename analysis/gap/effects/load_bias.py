@@ -1,18 +1,17 @@
 """A constant load: a hanging weight, a cable, an unbalanced counterweight."""
 
 from ....models.drive import BIAS
-from ..drive_machine import DriveMachine, DrivePlant
-from .base import Effect, Form, Scales, Values, at, parameter
+from .base import Effect, Form, Scales, ShaftMachine, ShaftPlant, Values, at, parameter
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """One constant effort for each shaft."""
     parameters = tuple(
         parameter(f"bias_{s}", machine.unit("effort"), scales.effort, starts=(0.0,))
         for s in machine.joints
     )
 
-    def apply(plant: DrivePlant, values: Values) -> None:
+    def apply(plant: ShaftPlant, values: Values) -> None:
         for j, s in enumerate(machine.joints):
             plant.drive.shaft[j, BIAS] += values.get(f"bias_{s}", 0.0)
 

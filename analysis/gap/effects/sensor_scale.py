@@ -2,18 +2,17 @@
 
 import numpy as np
 
-from ..drive_machine import DriveMachine, DrivePlant
-from .base import Effect, Form, Scales, Values, at, everywhere, parameter
+from .base import Effect, Form, Scales, ShaftMachine, ShaftPlant, Values, at, everywhere, parameter
 
 
-def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
+def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """One scale error of all encoders, such as a wrong count; a second form lets each have its own."""
     parameters = tuple(
         parameter(f"scale_error_{s}", "-", 0.2, lower=-0.5, upper=1.0, starts=(0.0,))
         for s in machine.joints
     )
 
-    def apply(plant: DrivePlant, values: Values) -> None:
+    def apply(plant: ShaftPlant, values: Values) -> None:
         plant.sensor_scale = np.array(
             [1.0 + values.get(f"scale_error_{s}", 0.0) for s in machine.joints]
         )
@@ -29,7 +28,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     if len(machine.joints) == 1:
         return [each]
 
-    def apply_common(plant: DrivePlant, values: Values) -> None:
+    def apply_common(plant: ShaftPlant, values: Values) -> None:
         plant.sensor_scale = np.full(len(machine.joints), 1.0 + values["scale_error"])
 
     common = Form(

@@ -8,12 +8,13 @@ from ....models.encoder import resolution
 from ...errors import InputError
 from ..logset import FILE, LogSet
 from ..machine import Machine, RunData
-from . import c_drive, parallel, pendulum, piezo_stack, slider
+from . import c_drive, parallel, pendulum, piezo_stack, pmc, slider
 
 KINDS: dict[str, Callable[[LogSet], tuple[Machine, list[RunData]]]] = {
     "c_drive": c_drive.read,
     "pendulum": pendulum.read,
     "piezo_stack": piezo_stack.read,
+    "pmc": pmc.read,
     "slider": slider.read,
     **{kind: parallel.reader(kind) for kind in parallel.KINDS},
 }

@@ -9,10 +9,11 @@ from typer.testing import CliRunner
 
 from gapscope.analysis.cli import app
 from gapscope.analysis.errors import InputError
-from gapscope.analysis.pmc import comparison, simulation
+from gapscope.analysis.pmc import comparison
 from gapscope.diagrams.pmc_loop import PMCLoopConfig
 from gapscope.models.pmc import constants, kinematics
 from gapscope.models.pmc.controllers import CONTROLLERS
+from gapscope.models.pmc.prediction import MOTORS
 
 
 def invoke(*arguments):
@@ -30,7 +31,7 @@ def test_simulate_writes_a_log_set_figure_and_replay(tmp_path):
     assert list(table.dtype.names) == list(log_set["columns"])
     assert np.diff(table["t"]) == pytest.approx(log_set["sample_time_s"])
     # What the log says about the motors leads back to the pose that the cycle starts from.
-    psi = np.array([table[f"psi_{m}"][-1] for m in simulation.MOTORS])
+    psi = np.array([table[f"psi_{m}"][-1] for m in MOTORS])
     joints = log_set["system"]["home"] + constants.joint_map(0.06) @ psi
     config = PMCLoopConfig()
     machine = config.machine()
