@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...diagrams.pmc_loop import PlacementConfig, PMCLoopConfig
 from ...diagrams.pmc_rig import Rig, measure
@@ -20,7 +19,6 @@ from ...models.pmc.parameters import PMCParameters
 from ...systems.pmc_rig import RigEffects
 from . import logs
 
-Floats = NDArray[np.float64]
 JITTER = 0.01  # largest relative deviation of masses and friction from nominal; 3 % are tolerated
 # Two places of the industry cycle, both inside the workspace.
 HERE = PlacementConfig()
@@ -90,7 +88,7 @@ def rig(flaw: Flaw, seed: int) -> Rig:
     )
     geometry = replace(p.geometry, proximal=p.geometry.proximal + more.pop("proximal", 0.0))
     names = ("proximal_mass", "distal_mass", "elbow_damping", "wrist_damping")
-    drawn = {name: near(getattr(p, name)) + more.pop(name, 0.0) for name in names}
+    drawn: dict[str, Any] = {name: near(getattr(p, name)) + more.pop(name, 0.0) for name in names}
     drive = replace(p.drive, beta=near(p.drive.beta), gamma=near(p.drive.gamma))
     robot = replace(p, geometry=geometry, counterweight=weight, drive=drive, **drawn, **more)
     # A rotor on a spring swings within a sample.
@@ -111,18 +109,15 @@ def write(
 
     The description does not name the flaw. KeyError for a name that is not in ``FLAWS``.
     """
-    robot = rig(FLAWS[name], seed)
+    robot, nominal = rig(FLAWS[name], seed), PMCParameters()
     between = replace(HERE, z=-0.26, direction=0.25 * np.pi, turn=1.0)
-    home: Floats | None = None
-    runs = []
-    for number, (use, place) in enumerate(
-        (("fit", HERE), ("fit", LOWER), ("validate", between)), start=1
-    ):
-        config = PMCLoopConfig(controller=controller, speed=speed, placement=place)
-        if home is None:
-            home = simulation.sample_cycle(
-                config.motion(PMCParameters()), PMCParameters(), cycles=0.0
-            ).joints[0]
+    places = (("fit", HERE), ("fit", LOWER), ("validate", between))
+    configs = [
+        PMCLoopConfig(controller=controller, speed=speed, placement=place) for _, place in places
+    ]
+    first = simulation.sample_cycle(configs[0].motion(nominal), nominal, cycles=0.0)
+    home, runs = first.joints[0], []
+    for number, ((use, _), config) in enumerate(zip(places, configs), start=1):
         log = measure(robot, config, cycles, home)
         runs.append(
             logs.LoggedRun(
@@ -134,7 +129,7 @@ def write(
                 command=log.command,
             )
         )
-    logs.write(folder, f"pmc-seed{seed}", runs, PMCParameters(), home)
+    logs.write(folder, f"pmc-seed{seed}", runs, nominal, home)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,7 +175,7 @@ def judge(name: str, diagnosis: Mapping[str, Any]) -> Outcome:
         after=s["after"],
         floor=s["floor"],
         percent=s["percent"],
-        ci95=tuple(s["ci95"]) if s["ci95"] else None,
+        ci95=(s["ci95"][0], s["ci95"][1]) if s["ci95"] else None,
         seconds=diagnosis["provenance"]["seconds"],
     )
 
