@@ -216,6 +216,7 @@ class RigRobot(LeafSystem):
 def _free_of_rotors(plant: MultibodyPlant) -> None:
     """Take the rotors and their friction off the drive angles: they turn on their own."""
     for name in DRIVEN[2:]:
-        plant.GetJointByName(name).set_default_damping(0.0)
+        joint: Any = plant.GetJointByName(name)  # revolute
+        joint.set_default_damping(0.0)
         actuator = plant.get_mutable_joint_actuator(plant.GetJointActuatorByName(name).index())
         actuator.set_default_rotor_inertia(0.0)

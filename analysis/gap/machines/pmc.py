@@ -1,7 +1,7 @@
 """Nominal model of PepperMill-Carrier log sets (``system.kind: pmc``), as ``gapscope simulate pmc`` writes them."""
 
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -85,7 +85,7 @@ def _controller(
     keys = Keys(
         where, values, {item.name for item in fields(default)} | {"kind", "model_error", "note"}
     )
-    gains = {
+    gains: dict[str, Any] = {
         item.name: tuple(values[item.name])
         if isinstance(values[item.name], list)
         else values[item.name]
@@ -93,7 +93,8 @@ def _controller(
         if item.name in values
     }
     try:
-        settings: Settings = replace(default, **gains)
+        law: Any = type(default)  # whose defaults are those of CONTROLLERS
+        settings: Settings = law(**gains)
         believed = parameters.heavier(keys.number("model_error", 0.0))
         return controller(settings, believed, home, dt)
     except (ValueError, TypeError) as error:
