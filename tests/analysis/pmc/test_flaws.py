@@ -5,7 +5,6 @@ import pytest
 import yaml
 
 from gapscope.analysis.errors import InputError
-from gapscope.analysis.gap.diagnosis import diagnose
 from gapscope.analysis.gap.fitting import Predictor, fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
@@ -35,19 +34,6 @@ def test_sound_robot_has_no_gap(tmp_path):
     floor = rms(machine.floor([r for r in runs if r.use == "fit"], residuals)[0])
     assert retuned.held_out_rms < NEGLIGIBLE * floor
     assert {run.use for run in runs} == {"fit", "validate"}
-
-
-def test_dry_friction_of_one_motor_is_named(tmp_path):
-    """0.1 N m in motor R1 by another law of friction; percent of the gap removed on a third place."""
-    flaws.write("dry-R1", tmp_path, seed=3)
-    assert "answer" not in yaml.safe_load((tmp_path / "logset.yaml").read_text())
-    found = diagnose(tmp_path).to_json()
-    outcome = flaws.judge("dry-R1", found)
-    assert outcome.right
-    assert outcome.placed
-    (effect,) = found["effects"]
-    assert effect["parameters"]["level_R1"]["value"] == pytest.approx(0.10, rel=0.05)
-    assert outcome.percent > 90.0
 
 
 def test_rig_keeps_its_loop_closed():
