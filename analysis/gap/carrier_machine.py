@@ -222,4 +222,5 @@ def joints_of(angles: Array, home: Array, parameters: PMCParameters) -> Array:
 def poses_of(joints: Array, parameters: PMCParameters) -> Any:
     """Poses (samples, 4) on the working branch; NaN out of reach."""
     dim = parameters.geometry.dimensions
-    return np.column_stack(displacement.pose(tuple(joints.T), -1.0, -1.0, dim))
+    with np.errstate(invalid="ignore"):
+        return np.column_stack(displacement.pose(tuple(joints.T), -1.0, -1.0, dim))
