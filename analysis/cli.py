@@ -16,7 +16,9 @@ from .commands import (
     design,
     diagnose,
     five_bar,
+    identify,
     importing,
+    parallel_workspace,
     pmc,
     rig,
     simulate,
@@ -34,6 +36,8 @@ app.add_typer(simulate.app, name="simulate")
 app.add_typer(compare.app, name="compare")
 app.add_typer(bandwidth.app, name="bandwidth")
 app.add_typer(workspace.app, name="workspace")
+for _name, _command in parallel_workspace.COMMANDS.items():
+    workspace.app.command(_name)(_command)
 simulate.app.command("pmc")(pmc.simulate)
 simulate.app.command("5r")(five_bar.simulate)
 compare.app.command("pmc")(pmc.compare)
@@ -42,6 +46,7 @@ compare.app.command("5r")(five_bar.compare)
 app.add_typer(calibrate.app, name="calibrate")
 app.command("diagnose")(diagnose.diagnose)
 app.command("design")(design.design)
+app.command("identify")(identify.identify)
 app.command("import")(importing.import_logs)
 app.add_typer(data.app, name="data")
 app.command("demo")(demo.demo)

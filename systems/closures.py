@@ -26,7 +26,10 @@ def load(path: Path) -> list[Closure]:
         unknown = sorted(set(entry) - known)
         if unknown:
             raise ValueError(f"{path}: unknown key {unknown[0]!r}; expected {sorted(known)}")
-    return [Closure(**entry) for entry in entries]
+    return [
+        Closure(**{key: tuple(v) if isinstance(v, list) else v for key, v in entry.items()})
+        for entry in entries
+    ]
 
 
 def apply(plant: MultibodyPlant, model: ModelInstanceIndex, closures: list[Closure]) -> None:

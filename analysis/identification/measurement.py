@@ -1,0 +1,121 @@
+"""Measured forces and motion of a machine: an independent plant, friction, encoders, noise, and the filters.
+
+The plant is the chain of bodies and closures as a MultibodyPlant: it shares no equation with the regressor. Rigid
+forces of a periodic motion are smooth; they are taken at a few hundred instants of a cycle and interpolated by
+their Fourier series. Friction is the exact sgn(v) and v.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+import scipy.signal
+from numpy.typing import NDArray
+
+from ...models.friction import viscous
+from ...systems.closed_chain import ClosedChain
+from .machine import Machine
+
+Floats = NDArray[np.float64]
+
+INSTANTS = 400  # of a cycle at which the plant is asked
+CYCLES = 4
+
+
+class Periodic(Protocol):
+    """A motion whose cycles repeat."""
+
+    @property
+    def period(self) -> float:
+        """Of one cycle [s]."""
+
+    def sample(self, t: Floats) -> tuple[Floats, Floats, Floats]:
+        """Positions, rates and accelerations (times, n)."""
+
+
+@dataclass(frozen=True)
+class Sinusoid:
+    """All axes along one sine about ``start``."""
+
+    start: Floats  # (n,)
+    amplitude: float
+    frequency: float  # [Hz]
+
+    @property
+    def period(self) -> float:
+        """Of one cycle [s]."""
+        return 1.0 / self.frequency
+
+    def sample(self, t: Floats) -> tuple[Floats, Floats, Floats]:
+        """Positions, rates and accelerations (times, n)."""
+        w = 2.0 * np.pi * self.frequency
+        sine, cosine = np.sin(w * t)[:, None], np.cos(w * t)[:, None]
+        one = self.amplitude * np.ones_like(self.start)
+        return self.start + sine * one, w * cosine * one, -w * w * sine * one
+
+
+class Ideal(NamedTuple):
+    """What happens, without sensors: (times, n)."""
+
+    position: Floats
+    force: Floats
+
+
+class Regression(NamedTuple):
+    """Filtered and decimated rows of W parameters = force."""
+
+    regressor: Floats  # (rows, parameters), axis by axis at each instant
+    force: Floats  # (rows,)
+    axis: NDArray[np.int64]  # (rows,)
+
+
+def ideal(machine: Machine, rigid: Floats, motion: Periodic) -> Ideal:
+    """Motion and forces over CYCLES cycles, from the plant with rigid parameters (p,)."""
+    plant = ClosedChain(machine.chain(rigid))
+    count = round(CYCLES * motion.period / machine.period)
+    # A cycle is rarely a whole number of samples; the Fourier series is evaluated where the samples are.
+    t = np.asarray(machine.period * np.arange(count), dtype=float)
+    few = np.asarray(np.arange(INSTANTS) / INSTANTS * motion.period, dtype=float)
+    forces, near = [], None
+    for q, v, a in zip(*motion.sample(few)):
+        near = plant.close(q, near)
+        at = plant.project(near, v)
+        forces.append(at.matrix @ a + at.bias)
+    q, v, _ = motion.sample(t)
+    smooth = _fourier(np.array(forces), t / motion.period)
+    dry = machine.coulomb * np.sign(v) + viscous(v, machine.viscous)
+    return Ideal(q, smooth + dry)
+
+
+def measure(machine: Machine, what: Ideal, seed: int) -> Regression:
+    """Quantised positions and noisy forces, differentiated, filtered without phase, decimated.
+
+    The same filter is run over every column of W and the forces, so that it biases nothing.
+    """
+    rng = np.random.default_rng(seed)
+    step, dt = machine.resolution, machine.period
+    counted = step * np.floor(what.position / step + rng.uniform(size=machine.axes))
+    force = what.force + machine.noise * rng.normal(size=what.force.shape)
+    low = scipy.signal.butter(3, machine.cutoff, fs=1.0 / dt, output="sos")
+    q = scipy.signal.sosfiltfilt(low, counted, axis=0)
+    v = np.gradient(q, dt, axis=0)
+    a = np.gradient(v, dt, axis=0)
+    rows = machine.full_regressor(q, v, a)
+    rows = scipy.signal.sosfiltfilt(low, rows, axis=0)
+    force = scipy.signal.sosfiltfilt(low, force, axis=0)
+    # Half as many rows as the filter leaves independent; its edges are cut.
+    each = max(1, round(0.5 / (machine.cutoff * dt)))
+    edge = round(1.0 / (machine.cutoff * dt))
+    kept = slice(edge, -edge, each)
+    rows, force = rows[kept], force[kept]
+    axis = np.tile(np.arange(machine.axes), len(force))
+    return Regression(rows.reshape(-1, rows.shape[-1]), force.reshape(-1), axis)
+
+
+def _fourier(values: Floats, phase: Floats) -> Floats:
+    """Periodic series (phases, n) through values (instants, n) of one cycle at equal distances."""
+    spectrum = np.fft.rfft(values, axis=0) / len(values)
+    keep = len(values) // 2  # the highest order is ambiguous, and empty for smooth forces
+    order = np.arange(1, keep)
+    wave = np.exp(2j * np.pi * np.outer(phase, order))
+    return np.asarray(spectrum[0].real + 2.0 * (wave @ spectrum[1:keep]).real)

@@ -1,0 +1,1 @@
+"""Workspaces of the parallel machines: what they reach, beside what the sources print."""
