@@ -10,6 +10,7 @@ from .commands import (
     bandwidth,
     blind,
     calibrate,
+    cases,
     compare,
     data,
     demo,
@@ -51,6 +52,7 @@ app.command("import")(importing.import_logs)
 app.add_typer(data.app, name="data")
 app.command("demo")(demo.demo)
 app.command("blind")(blind.blind)
+app.command("cases")(cases.cases)
 app.command("rig")(rig.rig)
 app.command("view")(view.view)
 

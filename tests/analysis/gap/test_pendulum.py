@@ -109,6 +109,7 @@ def test_friction_that_grows_with_the_load_is_told_from_a_level(tmp_path):
     assert loops["after"]["position_error_rad"] < 0.2 * loops["before"]["position_error_rad"]
 
 
+@pytest.mark.slow
 def test_a_level_is_told_from_friction_that_grows_with_the_load(tmp_path):
     result = diagnose(write(tmp_path / "level", lambda q, v, m, e: 0.05 * sign(v))).to_json()
     assert effects(result) == ["friction.coulomb"]
@@ -116,6 +117,7 @@ def test_a_level_is_told_from_friction_that_grows_with_the_load(tmp_path):
     assert level == pytest.approx(0.05, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_magnet_beside_the_pendulum_is_not_explained(tmp_path):
     def magnet(q, v, motor, load):
         return 0.6 * exp(-(((q - 0.35) / 0.12) ** 2)) * cos(26.0 * (q - 0.35))

@@ -83,6 +83,7 @@ def test_plays_are_hysteresis_without_a_lag(tmp_path):
     assert result["shrinkage"]["ci95"][0] > 90.0
 
 
+@pytest.mark.slow
 def test_both_are_found_beside_each_other(tmp_path):
     result = diagnose(write(tmp_path / "set", plays=0.4, lag=0.02)).to_json()
     assert result["verdict"] == "explained"
