@@ -10,8 +10,9 @@ r"""A pendulum on a voltage-driven position servo with gear friction, such as th
 4. friction: :math:`\tau_f` opposes the motion and holds what it can, :math:`|\tau_f| \le F`,
    :math:`F = F_d(\dot q) + (1 + r e^{-(\dot q/v_s)^2})(1 + c|\tau_m - \tau_e|)\,|s_m\tau_m - s_e\tau_e|`: a dry level
    (``friction.dry``), and the shares of motor torque and load that the gear loses, larger by r at rest
-   and growing with the torque it carries. Holding a load, both torques add up. With :math:`s_m = s_e` this is model M3 (r = 0) or M4, with different shares M5 of Duclusaud et
-   al. 2025 (arXiv 2410.08650), whose Stribeck exponent is 2 here.
+   and growing with the torque it carries. Holding a load, both torques add up. With c = 0 and
+   :math:`s_m = s_e` this is model M3 (r = 0) or M4, with different shares M5 of Duclusaud et al. 2025
+   (arXiv 2410.08650), whose Stribeck exponent is 2 here; they grow as the square in M6.
 
 The friction is the set-valued one: a step that it can stop ends at rest, so that a stuck servo stays
 stuck at any step size. Not modelled: backlash, the motor's inductance, the supply's resistance. The factor
@@ -48,9 +49,7 @@ class ServoPendulum(NamedTuple):
     motor_share: float  # s_m [-]
     load_share: float  # s_e [-]
     rest_share: float  # r, what both shares have on top at standstill, relative [-]
-    growth: (
-        float  # c, by which the lost share grows with the torque that the gear carries [1/(N m)]
-    )
+    growth: float  # c, of the shares with the torque that the gear carries [1/(N m)]
     droop: float  # share of the torque constant lost per ampere [1/A]
     limit: float  # largest current [A]
     lag: float  # time constant of the voltage [s]

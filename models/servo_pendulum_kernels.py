@@ -7,9 +7,7 @@ sample to what the law makes of the next position, and jumps there with the refe
 
 from typing import Any
 
-import numpy as np
-
-from . import compilation, friction, servo_pendulum
+from . import compilation, drive_kernels, friction, servo_pendulum
 
 compilation.register_laws(friction, servo_pendulum)
 
@@ -40,9 +38,9 @@ def predict(
         if k == position.size - 1:
             return
         h = t[k + 1] - t[k]
-        pole = np.exp(-bandwidth * h)
-        q += (1.0 - pole * pole) * error
-        v += (1.0 - pole) * (1.0 - pole) / h * error
+        on_position, on_rate = drive_kernels.correction_gains(bandwidth, h)
+        q += on_position * error
+        v += on_rate * error
         part = h / substeps
         for i in range(substeps):
             when = t[k] + (i + 0.5) * part - servo.delay

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....models import servo_pendulum, servo_pendulum_kernels
+from ....models import drive_kernels, servo_pendulum, servo_pendulum_kernels
 from ....models.servo_pendulum import GRAVITY, PWM_FULL_SCALE, ServoPendulum, ideal_servo
 from ...errors import InputError
 from .. import floor as floors
@@ -129,8 +129,8 @@ class PendulumMachine(Machine):
     def unexplained(self, residual: Array, run: RunData) -> Array:
         """Torque (k, 1) [N m] that would cause a prediction error (k, 1) in steady state."""
         servo = self.build(self.nominal()).finished()
-        slip = 1.0 - np.exp(-BANDWIDTH * run.dt)
-        return np.asarray(residual * servo.inertia * (slip / run.dt) ** 2)
+        _, on_rate = drive_kernels.correction_gains(BANDWIDTH, run.dt)
+        return np.asarray(residual * servo.inertia * (on_rate / run.dt))
 
     def floor(self, runs: Sequence[RunData], residuals: Sequence[Array]) -> tuple[list[Array], str]:
         """What the encoder's resolution does; cycle-to-cycle repeatability where motions repeat."""
