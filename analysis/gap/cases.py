@@ -16,6 +16,7 @@ from .logset import FILE
 
 REJECTED = 4  # hypotheses of the ranking that are listed beside the accepted one
 PLACES = 2  # largest shares of the gap that are listed of each kind
+WHERE = ("joints", "regimes", "bands", "runs")  # kinds of shares that are listed
 
 Case = dict[str, Any]
 
@@ -102,9 +103,13 @@ def _summary(sections: Sequence[tuple[str, Sequence[Case]]]) -> list[str]:
                 continue
             r = case["result"]
             effects = ", ".join(e["id"] for e in r["effects"]) or "none"
+            removed = _percent(r["shrinkage"])
+            if r.get("leading"):
+                effects += f" accepted; best is {' + '.join(r['leading']['ids'])}"
+                removed += f"; best {_percent(r['leading'])}"
             lines.append(
                 f"| {case['name']} | {case['kind']} | {r['verdict']} | {effects} "
-                f"| {_percent(r['shrinkage'])} | {case['seconds']:.1f} s "
+                f"| {removed} | {case['seconds']:.1f} s "
                 f"| {r['provenance']['simulations']} |"
             )
     return lines
@@ -164,22 +169,23 @@ def _leading(r: dict[str, Any], case: Case) -> list[str]:
 
 
 def _rejected(r: dict[str, Any], unit: str) -> list[str]:
-    accepted = {e["id"] for e in r["effects"]}
+    said = {e["id"] for e in r["effects"]} or set((r.get("leading") or {"ids": []})["ids"])
     lines = []
     for ranked in r["ranking"]:
-        if set(ranked["ids"]) == accepted and accepted:
+        if set(ranked["ids"]) == said and said:
             continue
         name = " + ".join(ranked["ids"]) or "nothing but retuning"
         lines.append(
-            f"{name}: error {_number(ranked['held_out_error'])} {unit} on held-out pieces of the fit "
-            f"runs, probability {ranked['probability']:.3f}"
+            f"- Not accepted: {name}; error {_number(ranked['held_out_error'])} {unit} on held-out pieces of the fit "
+            f"runs, probability {ranked['probability']:.3f}."
         )
-    return [f"- Not accepted: {'; '.join(lines[:REJECTED])}."] if lines else []
+    return lines[:REJECTED]
 
 
 def _where(location: dict[str, list[dict[str, Any]]]) -> str:
     parts = []
-    for kind, entries in location.items():
+    for kind in WHERE:
+        entries = location.get(kind, [])
         named = [e for e in entries if "name" in e and e.get("share") is not None]
         if len(named) < 2:
             continue
