@@ -82,8 +82,8 @@ class ChainMachine(DriveMachine):
 
     def forms(self, runs: Sequence[RunData]) -> "list[Form]":
         """The catalogue's forms for a drive, with the parts of this machine as payloads."""
+        from .chain_payload import forms as payload
         from .effects import forms_for, scales_of  # effects name the drive's class
-        from .effects.chain_payload import forms as payload
 
         drive = [f for f in forms_for(self, scales_of(runs)) if f.effect != "inertia.payload"]
         return [*drive, *payload(self)]

@@ -111,7 +111,8 @@ def motion(cranks: ArrayLike, rates: ArrayLike, machine: FiveBar, mode: int = 1)
     """Motion of BODIES and rotors (7) at crank angles and rates (..., 2) (B.13-B.17)."""
     q, v = np.asarray(cranks, dtype=float), np.asarray(rates, dtype=float)
     one, four, w1, w4 = q[..., 0], q[..., 1], v[..., 0], v[..., 1]
-    rods = linkage.rods(one, four, w1, w4, *machine.lengths, mode)
+    with np.errstate(invalid="ignore", divide="ignore"):  # NaN where the loop does not close
+        rods = linkage.rods(one, four, w1, w4, *machine.lengths, mode)
     two, three, by21, by24, by31, by34, drift2, drift3 = rods
     w2, w3, zero = by21 * w1 + by24 * w4, by31 * w1 + by34 * w4, np.zeros_like(one)
     links = (

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .base import Form, Values, at, parameter
-from .inertia_payload import EFFECT
+from .effects.base import Form, Values, at, parameter
+from .effects.inertia_payload import EFFECT
 
 if TYPE_CHECKING:
-    from ..chain_machine import ChainMachine, ChainPlant
+    from .chain_machine import ChainMachine, ChainPlant
 
 
 def forms(machine: "ChainMachine") -> list[Form]:
