@@ -38,6 +38,7 @@ TOP_KEYS = frozenset(
         "answer",
     ]
 )
+MODEL_FILE = "model_file"  # kind of a machine described by an URDF or SDF file
 
 Read = Callable[[str, list[str], float | None, bool], list[Piece]]  # file, columns, dt, resample
 
@@ -157,10 +158,13 @@ def _from_memory(frames: Mapping[str, Mapping[str, Any]]) -> Read:
 
 def _logset(document: dict[str, Any], description: Path, read: Read) -> LogSet:
     system = _mapping(document, "system", description)
-    kind = system.get("kind")
+    kind = MODEL_FILE if "model" in system else system.get("kind")
     if not isinstance(kind, str):
-        raise InputError(description, f"system.kind is {kind!r}", "the name of a machine")
+        raise InputError(
+            description, f"system.kind is {kind!r}", "the name of a machine, or system.model"
+        )
     dt = _sample_time(document, description)
+    document["columns"] = _columns(document, system, description)
     units = _units(document, description)
     controllers = _controllers(document, description)
     entries = document.get("runs")
@@ -268,6 +272,23 @@ def _mapping(document: Mapping[str, Any], key: str, path: Path) -> dict[str, Any
     if not isinstance(value, dict):
         raise InputError(path, f"{key} is missing or not a mapping", f"{key}: with keys of its own")
     return value
+
+
+def _columns(document: Mapping[str, Any], system: Mapping[str, Any], path: Path) -> dict[str, Any]:
+    """The columns as stated, those named with ``JOINT`` once for every one of ``system.joints``."""
+    columns = _mapping(document, "columns", path)
+    joints = system.get("joints")
+    if not any("JOINT" in str(name) for name in columns):
+        return columns
+    if not isinstance(joints, list) or not all(isinstance(name, str) for name in joints):
+        raise InputError(
+            path, f"system.joints is {joints!r}", "a list of names that JOINT in columns stands for"
+        )
+    return {
+        str(name).replace("JOINT", joint): text
+        for name, text in columns.items()
+        for joint in (joints if "JOINT" in str(name) else [""])
+    }
 
 
 def _units(document: Mapping[str, Any], path: Path) -> dict[str, str]:

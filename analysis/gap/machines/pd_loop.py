@@ -1,0 +1,110 @@
+"""PD control of every joint, the control law a log set with a model file may state.
+
+``controller: {kind: joint_pd, kp: [...], kd: [...], limit: [...], gravity_compensation: true}`` in the
+order of ``system.joints``:  tau = kp e + kd (r' - D(q)) + g(q), D the difference over one sample, g the
+nominal gravity load at the measured position. ``kind: unknown`` states no law.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ....models import rigid_tree_kernels
+from ...errors import InputError
+from ..clock import ReplayCheck
+from ..logset import FILE, LogSet
+from ..machine import Array, RunData, rms
+from ..rigid_machine import RigidPlant, RigidRun
+
+if TYPE_CHECKING:
+    from .model_file import Arm
+
+KEYS = {"kind", "kp", "kd", "limit", "gravity_compensation", "note"}
+SUBSTEPS = 4
+
+
+class JointPd(NamedTuple):
+    """Gains (n,), effort limits (n,), and whether nominal gravity is compensated."""
+
+    kp: Array
+    kd: Array
+    limit: Array
+    gravity: bool
+
+
+def pd_controllers(logset: LogSet, joints: int, all_driven: bool) -> dict[str, JointPd | None]:
+    """Every stated controller by its id, None where no law is known."""
+    return {
+        name: _controller(f"{logset.folder / FILE}, controllers.{name}", given, joints, all_driven)
+        for name, given in logset.controllers.items()
+    }
+
+
+def _controller(where: str, given: Any, joints: int, all_driven: bool) -> JointPd | None:
+    kind = given.get("kind")
+    if kind == "unknown":
+        return None
+    if kind != "joint_pd":
+        raise InputError(f"{where}.kind", f"{kind!r}", "joint_pd or unknown")
+    if not all_driven:
+        raise InputError(where, "joint_pd with a passive joint", "kind: unknown")
+    unknown = sorted(set(given) - KEYS)
+    if unknown:
+        raise InputError(where, f"unknown key {unknown[0]!r}", f"one of {', '.join(sorted(KEYS))}")
+
+    def gains(key: str, default: float | None = None) -> Array:
+        value = given.get(key, None if default is None else [default] * joints)
+        try:
+            found = np.array(value, dtype=float)
+        except (TypeError, ValueError):
+            found = np.zeros(0)
+        if found.shape != (joints,) or np.any(np.isnan(found)):
+            raise InputError(f"{where}.{key}", f"{value!r}", f"{joints} numbers, one a joint")
+        return found
+
+    return JointPd(
+        gains("kp"), gains("kd"), gains("limit", np.inf), bool(given.get("gravity_compensation"))
+    )
+
+
+def _compensation(arm: "Arm", law: JointPd) -> Array:
+    return arm.inertia.ravel() * float(law.gravity)
+
+
+def replay(arm: "Arm", runs: Sequence[RunData]) -> list[ReplayCheck]:
+    """Every run's logged command beside the stated law's."""
+    checks = []
+    for blocks in runs:
+        run = blocks.raw if isinstance(blocks, RigidRun) else blocks
+        law = run.controller
+        if law is None:
+            continue
+        command = np.empty_like(run.command)
+        rigid_tree_kernels.replay_pd(
+            arm.tree, arm.gravity, _compensation(arm, law), run.reference, run.reference_rate,
+            run.position, law, run.dt, command,
+        )  # fmt: skip
+        size = rms([run.command]) or 1.0
+        checks.append(ReplayCheck(run=run.name, disagreement=rms([command - run.command]) / size))
+    return checks
+
+
+def simulate(arm: "Arm", run: RunData, plant: RigidPlant) -> tuple[Array, Array] | None:
+    """Position and command (samples, n) of the closed loop on the run's reference."""
+    law = run.controller
+    if law is None or np.any(plant.offset != 0.0) or np.any(plant.scale != 1.0):
+        return None
+    assert isinstance(run, RigidRun)
+    bodies = len(arm.bodies)
+    first, second = arm.horizontal
+    tilt = plant.phi[-2] * first + plant.phi[-1] * second
+    start = np.concatenate([run.smooth[0], run.rate[0]])
+    run = run.raw
+    position, command = np.empty_like(run.position), np.zeros_like(run.command)
+    rigid_tree_kernels.simulate_pd(
+        arm.tree, arm.gravity + tilt, arm.groups @ plant.phi[: bodies + 10], arm.gravity,
+        _compensation(arm, law), plant.joints, run.reference, run.reference_rate, start, law,
+        run.lsb, run.dt, SUBSTEPS, position, command,
+    )  # fmt: skip
+    return position, command
