@@ -53,6 +53,7 @@ def run(
     seed: int,
     cases: int,
     out: Path,
+    machine: str = "drive",
     workers: int = 1,
     cluster: str | None = None,
     diagnose: Diagnose = instrument,
@@ -69,14 +70,14 @@ def run(
     """
     for folder in (out, out / "cases", out / "answers", out / "results"):
         output_folder(folder)
-    _refuse_another_run(out, seed, cases)
+    _refuse_another_run(out, machine, seed, cases)
     names = [case_name(i) for i in range(cases)]
     share = partial(each, workers=workers, cluster=cluster)
     missing = [i for i in range(cases) if not (out / "answers" / f"{names[i]}.json").exists()]
-    written = share(_written, ((seed, i) for i in missing))
+    written = share(_written, ((machine, seed, i) for i in missing))
     for i, (answer, files) in _told(written, "write", cases, len(missing), progress):
         _keep_case(out, names[missing[i]], answer, files)
-    sealed(seal(out, seed, names))
+    sealed(seal(out, seed, names, machine))
     todo = [name for name in names if not _finished(out / "results" / f"{name}.json")]
     calls = ((diagnose, name, _files(out / "cases" / name)) for name in todo)
     results = share(_diagnosed, calls)
@@ -90,12 +91,13 @@ def run(
     return [(_opened(out, name)["answer"], _result(out, name)) for name in names]
 
 
-def seal(out: Path, seed: int, names: Iterable[str]) -> str:
+def seal(out: Path, seed: int, names: Iterable[str], machine: str = "drive") -> str:
     """Write ``sealed.json`` if it is not there; return its SHA-256."""
     path = out / "sealed.json"
     if not path.exists():
         hashes = {name: _hash(**_opened(out, name)) for name in names}
         content = {
+            "machine": machine,
             "seed": seed,
             "use": label(seed),
             "hash": "sha256(salt + JSON of the answer, sorted keys, no spaces)",
@@ -116,11 +118,26 @@ def verify(out: Path) -> list[str]:
     ]
 
 
-def _written(seed: int, index: int) -> tuple[dict[str, Any], Files]:
+def write_drive(seed: int, index: int, directory: Path) -> dict[str, Any]:
+    """Write a case of the drives: C-drive or slider."""
+    return write_case(seed, index, directory)
+
+
+def write_mm3a(seed: int, index: int, directory: Path) -> dict[str, Any]:
+    """Write a case of the micromanipulator, whose arm is a Drake plant."""
+    from .mm3a import blind
+
+    return blind.write_case(seed, index, directory)
+
+
+MACHINES = {"drive": write_drive, "mm3a": write_mm3a}
+
+
+def _written(machine: str, seed: int, index: int) -> tuple[dict[str, Any], Files]:
     """Answer and log set of a case; in a worker."""
     with tempfile.TemporaryDirectory() as folder:
         directory = Path(folder) / case_name(index)
-        return write_case(seed, index, directory), _files(directory)
+        return MACHINES[machine](seed, index, directory), _files(directory)
 
 
 def _keep_case(out: Path, name: str, answer: dict[str, Any], files: Files) -> None:
@@ -179,15 +196,20 @@ def _told(
             progress(stage, done, total)
 
 
-def _refuse_another_run(out: Path, seed: int, cases: int) -> None:
+def _refuse_another_run(out: Path, machine: str, seed: int, cases: int) -> None:
+    if machine not in MACHINES:
+        raise InputError(
+            "--machine", f"unknown machine {machine!r}", f"one of {', '.join(MACHINES)}"
+        )
     if not (out / "sealed.json").exists():
         return
     found = json.loads((out / "sealed.json").read_text())
-    if found["seed"] != seed or len(found["answers"]) != cases:
+    held = (found.get("machine", "drive"), found["seed"], len(found["answers"]))
+    if held != (machine, seed, cases):
         raise InputError(
             out,
-            f"holds a run of {len(found['answers'])} cases of seed {found['seed']}",
-            f"{cases} cases of seed {seed}",
+            f"holds a run of {held[2]} cases of {held[0]}, seed {held[1]}",
+            f"{cases} cases of {machine}, seed {seed}",
             "Choose another folder, or repeat with the same numbers to resume.",
         )
 

@@ -12,6 +12,9 @@ def blind(
     seed: Annotated[int, typer.Option(help="Below 1000 to tune on, from 1000 to report on.")],
     out: Annotated[Path, typer.Option(help="Folder of the run; the same folder resumes it.")],
     cases: Annotated[int, typer.Option(min=1, help="Number of cases; decks of 40.")] = 200,
+    machine: Annotated[
+        str, typer.Option(help="What the cases are of: drive, or mm3a with physical actuators.")
+    ] = "drive",
     workers: Workers = 1,
     cluster: Cluster = None,
 ) -> None:
@@ -37,6 +40,7 @@ def blind(
             seed=seed,
             cases=cases,
             out=out,
+            machine=machine,
             workers=workers,
             cluster=cluster,
             progress=lambda stage, done, total: bar.update(tasks[stage], completed=done),

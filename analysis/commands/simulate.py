@@ -65,19 +65,40 @@ def c_drive(
 
 @app.command("mm3a")
 def mm3a(
-    out: Annotated[Path, typer.Option(help="CSV table of step-counting runs to write.")],
+    out: Annotated[
+        Path, typer.Option(help="CSV table of runs to write; with --moves, folder of a log set.")
+    ],
     truth: Annotated[
         str, typer.Option(help="What moves the joints: empirical or physical.")
     ] = "empirical",
     days: Annotated[int, typer.Option(help="Days of measurement.", min=1)] = 2,
     repeats: Annotated[int, typer.Option(help="Repeats of each run a day.", min=1)] = 3,
     seed: Annotated[int, typer.Option(help="Of the random generator.", min=0)] = 0,
+    moves: Annotated[
+        bool, typer.Option("--moves", help="Write measured moves, a log set for diagnose, instead.")
+    ] = False,
+    effect: Annotated[
+        list[str] | None,
+        typer.Option(help="With --moves: an effect that the stated model lacks; repeatable."),
+    ] = None,
 ) -> None:
-    """Calibration experiments of the MM3A (Damani 2013, chapters 4-6) through the audio switch."""
+    """Calibration experiments of the MM3A (Damani 2013, chapters 4-6) through the audio switch.
+
+    With --moves: two days of short measured moves of joints 2 and 3.
+    """
+    from ..errors import InputError
     from ..files import output_folder
     from ..mm3a import experiments
     from ..mm3a.runs import write_runs
 
+    if moves:
+        from ..mm3a.simulated_moves import write
+
+        for path in write(out, truth, effect or [], seed):
+            typer.echo(path)
+        return
+    if effect:
+        raise InputError("--effect", "there are no moves to put it in", "--moves beside it")
     output_folder(out.parent)
     runs = experiments.full_experiment(truth, days=days, repeats=repeats, seed=seed)
     write_runs(out, runs)

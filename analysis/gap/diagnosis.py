@@ -25,7 +25,6 @@ from .fitting import Predictor, fit
 from .floor import NO_CYCLES
 from .hypothesis import Fit, Hypothesis
 from .inverse_model import Structure
-from .location import locate
 from .logset import LogSet, load_logset
 from .machine import Array, Machine, RunData, rms
 from .machines import read_machine, stated_encoder_step
@@ -224,7 +223,7 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
         ranking=tuple(ranking),
         validation=_validation_errors(machine, held_back, ranking),
         verdict=verdict,
-        location=locate(fit_runs, residuals, machine, seed),
+        location=machine.locate(fit_runs, residuals, seed),
         confusion=confused,
         shares=tuple(shares),
         shrinkage=shrunk,
@@ -338,12 +337,13 @@ def _next_experiment(
     b = predictor.residuals(second.hypothesis, [second.values], second.keys)[0]
     difference = [float(np.sqrt(np.mean((x - y) ** 2))) for x, y in zip(a, b)]
     run = predictor.runs[int(np.argmax(difference))]
+    design = "`gapscope design LOGSET` finds the motion that separates the two best"
     return {
         "repeat": {"run": run.name, **{k: v for k, v in run.settings.items() if k != "note"}},
         "separates": [list(first.hypothesis.ids), list(second.hypothesis.ids)],
         "prediction_difference": max(difference),
         "unit": predictor.machine.residual_unit,
-        "design": "`gapscope design LOGSET` finds the motion that separates the two best",
+        **({"design": design} if predictor.machine.designable else {}),
     }
 
 

@@ -101,6 +101,11 @@ class DriveMachine(Machine):
         return forms_for(self, scales_of(runs))
 
     @property
+    def designable(self) -> bool:
+        """Fourier motions of the joints."""
+        return True
+
+    @property
     def task_rows(self) -> tuple[tuple[str, ...], Array]:
         """Task coordinates, with rows of length one: they weigh like the joints they are made of."""
         return self.task, self.task_map / np.linalg.norm(self.task_map, axis=1, keepdims=True)

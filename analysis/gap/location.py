@@ -36,24 +36,24 @@ def locate(
     """Shares of the gap as in FORMAT.md, each list summing to 1."""
     efforts = [machine.unexplained(r, run) for run, r in zip(runs, residuals)]
     rng = np.random.default_rng(seed)
-    joints = _shares(machine.joints, [e**2 for e in efforts], rng)
+    joints = shares(machine.joints, [e**2 for e in efforts], rng)
     names, rows = machine.task_rows
-    task = _shares(names, [(e @ rows.T) ** 2 for e in efforts], rng)
-    signals = _shares([f"{s} position" for s in machine.joints], [r**2 for r in residuals], rng)
+    task = shares(names, [(e @ rows.T) ** 2 for e in efforts], rng)
+    signals = shares([f"{s} position" for s in machine.joints], [r**2 for r in residuals], rng)
     by_regime = _by_regime(runs, efforts)
     by_band = _by_band(runs, efforts)
     return {
         "signals": signals,
         "joints": joints,
         "task": task,
-        "regimes": _shares(REGIMES, [e.sum(axis=1) for e in by_regime], rng),
+        "regimes": shares(REGIMES, [e.sum(axis=1) for e in by_regime], rng),
         "bands": [
             {**band, "share": float(share), "coherence": coherence}
             for band, share, coherence in zip(BANDS, by_band.sum(axis=0), _coherence(runs, efforts))
         ],
         "harmonics": _harmonics(runs, efforts, rng),
         **{s.key: _sorted(s, runs, efforts, rng) for s in SORTINGS},
-        "runs": _of_runs(runs, efforts),
+        "runs": of_runs(runs, efforts),
         "joint_regimes": _table(
             "regime", machine.joints, REGIMES, np.sum([e.sum(axis=0) for e in by_regime], axis=0)
         ),
@@ -94,7 +94,7 @@ def _sorted(
             np.sum(np.where(labels == k, effort**2, 0.0), axis=1) for k in range(len(sorting.names))
         ]
         energies.append(np.column_stack(columns))
-    return _shares(sorting.names, energies, rng)
+    return shares(sorting.names, energies, rng)
 
 
 def _harmonics(runs: Sequence[RunData], efforts: Sequence[Array], rng: Any) -> list[dict[str, Any]]:
@@ -110,7 +110,7 @@ def _harmonics(runs: Sequence[RunData], efforts: Sequence[Array], rng: Any) -> l
         every = _in_blocks((stack**2).sum(axis=(0, 2)))
         energies.append(np.column_stack([np.maximum(every - between, 0.0), between]))
     names = ("at harmonics of the cycle", "between them")
-    return _shares(names, energies, rng) if energies else []
+    return shares(names, energies, rng) if energies else []
 
 
 def _in_blocks(values: Array) -> Array:
@@ -154,15 +154,16 @@ def _table(
     across: str, joints: Sequence[str], names: Sequence[str], energy: Array
 ) -> list[dict[str, Any]]:
     """Shares of energies (joints, names), one entry a cell."""
-    shares = energy / (energy.sum() or 1.0)
+    cells = energy / (energy.sum() or 1.0)
     return [
         {"joint": joint, across: name, "share": float(share)}
-        for joint, row in zip(joints, shares)
+        for joint, row in zip(joints, cells)
         for name, share in zip(names, row)
     ]
 
 
-def _of_runs(runs: Sequence[RunData], efforts: Sequence[Array]) -> list[dict[str, Any]]:
+def of_runs(runs: Sequence[RunData], efforts: Sequence[Array]) -> list[dict[str, Any]]:
+    """Share of every run."""
     energy = np.array([np.sum(e**2) for e in efforts])
     return [
         {"name": run.name, "share": float(e / (energy.sum() or 1.0))}
@@ -170,7 +171,7 @@ def _of_runs(runs: Sequence[RunData], efforts: Sequence[Array]) -> list[dict[str
     ]
 
 
-def _shares(names: Sequence[str], energies: Sequence[Array], rng: Any) -> list[dict[str, Any]]:
+def shares(names: Sequence[str], energies: Sequence[Array], rng: Any) -> list[dict[str, Any]]:
     """Shares of columns of energies (samples, names), with block-bootstrap intervals."""
     blocks = np.array([b.sum(axis=0) for e in energies for b in np.array_split(e, BLOCKS, axis=0)])
     totals = blocks.sum(axis=0)

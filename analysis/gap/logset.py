@@ -1,5 +1,7 @@
 """Log sets: a folder with ``logset.yaml`` and one table per run (format 1).
 
+Where a sample is a move (``MOVE_KINDS``), rows follow no clock and no controller need be stated.
+
 Reading is strict. A file that cannot be used ends in one ``InputError`` that names the file and the
 key, column or row, and says what to do. The key ``answer`` of labelled sets is dropped unread.
 """
@@ -39,6 +41,7 @@ TOP_KEYS = frozenset(
     ]
 )
 MODEL_FILE = "model_file"  # kind of a machine described by an URDF or SDF file
+MOVE_KINDS = frozenset(["mm3a"])  # machines whose samples are moves, one after the other
 
 Read = Callable[[str, list[str], float | None, bool], list[Piece]]  # file, columns, dt, resample
 
@@ -163,7 +166,10 @@ def _logset(document: dict[str, Any], description: Path, read: Read) -> LogSet:
         raise InputError(
             description, f"system.kind is {kind!r}", "the name of a machine, or system.model"
         )
-    dt = _sample_time(document, description)
+    moves = kind in MOVE_KINDS
+    dt = 0.0 if moves else _sample_time(document, description)
+    if moves and not {"controller", "controllers"} & document.keys():
+        document["controller"] = {"kind": "open_loop"}
     document["columns"] = _columns(document, system, description)
     units = _units(document, description)
     controllers = _controllers(document, description)
@@ -172,6 +178,8 @@ def _logset(document: dict[str, Any], description: Path, read: Read) -> LogSet:
         raise InputError(description, "runs is missing or empty", "a list of runs")
     notes = _remarks(document, description)
     resample = _resample(document, description)
+    if resample and moves:
+        raise InputError(description, "resample is stated for moves", "no such key")
     if resample and dt is None:
         raise InputError(
             description,

@@ -12,7 +12,7 @@ from .floor import repeatability_floor
 
 if TYPE_CHECKING:
     from .clock import ReplayCheck
-    from .effects import Form
+    from .effects import Effect, Form
     from .inverse_model import Structure
     from .signals import SignalFinding
 
@@ -82,6 +82,30 @@ class Machine(ABC):
     @abstractmethod
     def forms(self, runs: Sequence[RunData]) -> "list[Form]":
         """Every form of every effect that can act on this machine, scaled to the runs."""
+
+    def catalogue(self) -> "Mapping[str, Effect]":
+        """Effects by id that machines of this sort can have, for the words of the report."""
+        from .effects import catalogue
+
+        return catalogue()
+
+    def locate(
+        self, runs: Sequence[RunData], residuals: Sequence[Array], seed: int
+    ) -> dict[str, list[dict[str, Any]]]:
+        """Shares of the gap as in FORMAT.md, each list summing to 1."""
+        from .location import locate
+
+        return locate(runs, residuals, self, seed)
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """Names of what an effect may act on; one name is left unsaid."""
+        return self.joints
+
+    @property
+    def designable(self) -> bool:
+        """Whether ``gapscope design`` can find a motion for this machine."""
+        return False
 
     @property
     def residual_unit(self) -> str:

@@ -20,6 +20,7 @@ from .tables import BLOCK, blocks
 Array = NDArray[np.float64]
 
 SHORTEST_RUN = 100  # samples; less than this says nothing about a machine
+FEWEST_MOVES = 10  # likewise, where a sample is a move
 JITTER_LIMIT = 0.1  # largest deviation of a sample from the uniform clock, in sample times
 JITTER_TOLD = 0.01  # rms deviation of the intervals that is worth a note, in sample times
 WIDEST_GAP = 10.0  # sample times; interpolation over more would invent data
@@ -74,7 +75,7 @@ def read_pieces(
     """The run in the file ``path`` (or the ``table`` of that name), whole or as stretches if it is long.
 
     ``names`` are its columns, ``t`` [s] among them; ``dt`` [s] the stated interval, None for samples
-    that come at uneven times and stay there. Memory is bounded
+    that come at uneven times and stay there, 0 for moves, which follow no clock. Memory is bounded
     by ``stretches.LONGEST`` rows. Raises InputError that names row and column.
     """
     parts, longer = [], False
@@ -88,18 +89,18 @@ def read_pieces(
             break
     file = path if table is None else None
     if longer:
-        if dt is None:
+        if not dt:
             raise InputError(
                 path, f"more than {stretches.LONGEST} rows at uneven times", "a shorter log",
                 "Cut the log into shorter runs.",
             )  # fmt: skip
         return _stretches(path, names, dt, file, itertools.chain(parts, stream), table, resample)
     values = np.concatenate(parts) if parts else np.empty((0, len(names)))
-    if len(values) < SHORTEST_RUN:
+    fewest = FEWEST_MOVES if dt == 0.0 else SHORTEST_RUN
+    if len(values) < fewest:
         raise InputError(
-            path, f"{len(values)} rows of {values.shape[1]} numbers",
-            f"at least {SHORTEST_RUN} rows",
-        )  # fmt: skip
+            path, f"{len(values)} rows of {values.shape[1]} numbers", f"at least {fewest} rows"
+        )
     columns = {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(names)}
     _check_finite(path, columns)
     columns, notes = _on_clock(path, columns, dt, resample)
@@ -147,6 +148,8 @@ def _on_clock(
             f"time goes from {t[row]:g} to {t[row + 1]:g} s",
             "times that increase",
         )
+    if dt == 0.0:
+        return columns, ()
     found = jitter(t)
     if dt is None:
         return columns, (f"{path.name}: {found}; uneven, the logged times are used.",)

@@ -119,7 +119,7 @@ class Effect:
 
     id: str
     summary: str
-    forms: Callable[[DriveMachine, Scales], list[Form]]
+    forms: Callable[[Any, Any], list[Form]]  # of the machine and its scales
     # What the unexplained torque of a machine with this effect looks like, for the report.
     signature: str
 

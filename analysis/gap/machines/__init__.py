@@ -8,11 +8,12 @@ from ....models.encoder import resolution
 from ...errors import InputError
 from ..logset import FILE, MODEL_FILE, LogSet
 from ..machine import Machine, RunData
-from . import c_drive, furuta, model_file, parallel, pendulum, piezo_stack, pmc, slider
+from . import c_drive, furuta, mm3a, model_file, parallel, pendulum, piezo_stack, pmc, slider
 
 KINDS: dict[str, Callable[[LogSet], tuple[Machine, list[RunData]]]] = {
     "c_drive": c_drive.read,
     "furuta": furuta.read,
+    "mm3a": mm3a.read,
     MODEL_FILE: model_file.read,
     "pendulum": pendulum.read,
     "piezo_stack": piezo_stack.read,

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from ..effects import catalogue
 from .base import Material, Section
 from .words import number
 
@@ -20,7 +19,7 @@ def context(material: Material) -> dict[str, Any]:
         )
     return {
         "warnings": d.warnings,
-        "untried": sorted(set(catalogue()) - tried),
+        "untried": sorted(set(d.machine.catalogue()) - tried),
         "left": left,
         "floor_source": s.floor_source,
         "tolerances": [

@@ -103,7 +103,7 @@ def _effects(d: Diagnosis) -> list[dict[str, str]]:
                 rows.append(
                     {
                         "id": effect,
-                        "meaning": meaning(effect),
+                        "meaning": meaning(effect, d.machine),
                         "place": places(ranked, effect, d.machine),
                         "probability": percent(d.probability(effect), 1),
                     }

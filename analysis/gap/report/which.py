@@ -28,7 +28,7 @@ def context(material: Material) -> dict[str, Any]:
         "winner": winner.fit.hypothesis.label,
         "runner_up": rivals[0].fit.hypothesis.label if rivals else "",
         "why": why_not(rivals[0], winner) if rivals else "",
-        "signatures": [(i, signature(i)) for i in winner.fit.hypothesis.ids],
+        "signatures": [(i, signature(i, d.machine)) for i in winner.fit.hypothesis.ids],
         "not_separated": [r.fit.hypothesis.label for r in d.verdict.rivals]
         if d.verdict.verdict == "ambiguous"
         else [],

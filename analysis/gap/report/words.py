@@ -5,7 +5,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..attribution import Ranked
-from ..effects import catalogue
 from ..machine import Machine
 
 MINUS = "\N{MINUS SIGN}"
@@ -71,26 +70,26 @@ def listed(items: Iterable[str], joint: str = "and") -> str:
     return f"{', '.join(names[:-1])} {joint} {names[-1]}"
 
 
-def meaning(effect: str) -> str:
+def meaning(effect: str, machine: Machine) -> str:
     """What an effect id stands for, in a few words; empty for an id outside the catalogue."""
-    known = catalogue().get(effect)
+    known = machine.catalogue().get(effect)
     return known.summary.split(";")[0] if known else ""
 
 
-def signature(effect: str) -> str:
+def signature(effect: str, machine: Machine) -> str:
     """What the unexplained effort of a machine with the effect looks like."""
-    known = catalogue().get(effect)
+    known = machine.catalogue().get(effect)
     return known.signature if known else ""
 
 
 def place(where: Mapping[str, Any], machine: Machine) -> str:
     """Where an effect acts, such as ``left``; empty on a machine with one place only."""
-    if len(machine.joints) == 1:
+    if len(machine.places) == 1:
         return ""
     parts = []
     for value in where.values():
         names = [str(v) for v in value] if isinstance(value, list | tuple) else [str(value)]
-        if len(names) > 1 and set(names) >= set(machine.joints):
+        if len(names) > 1 and set(names) >= set(machine.places):
             parts.append(
                 f"all {len(names)} of {listed(names)}"
                 if len(names) > 2
