@@ -8,7 +8,9 @@ A case has no effect, one, two, or one that no hypothesis knows. Seeds as in ``b
 """
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -108,15 +110,21 @@ def write_moves(case: Case, seed: int, directory: Path, index: int = 0) -> tuple
     """Write the log set of a case; its files, and by how much the statement misses moves without scatter."""
     plan = diagnosis_plan(case.run_in)
     exact = perform(plan, PhysicalMover(case.truth), scatter=0.0, seed=0)
-    sound = PhysicalMover(Truth(hysteresis=case.truth.hysteresis))
-    calibration = diagnosis_plan(RUN_IN, sessions=("calibration",))
-    stated = Statement(calibration, perform(calibration, sound, scatter=0.0, seed=0), sound)
+    stated = _calibrated(case.truth.hysteresis)
     if not case.states_load:
-        stated.forget_load()
+        stated = stated.without_load()
     rng = np.random.default_rng([seed, index, 2])
     tables = [_scattered(table, case.scatter, rng) for table in exact]
     files = write_logset(directory, plan, tables, stated.nominal(), name=case_name(index))
-    return files, stated.misses(plan, exact, sound)
+    return files, stated.misses(plan, exact)
+
+
+@cache
+def _calibrated(hysteresis: str) -> "Statement":
+    """What a calibration of the sound arm states."""
+    plan = diagnosis_plan(RUN_IN, sessions=("calibration",))
+    sound = PhysicalMover(Truth(hysteresis=hysteresis))
+    return Statement(plan, perform(plan, sound, scatter=0.0, seed=0), sound)
 
 
 def _scattered(table: Array, scatter: float, rng: np.random.Generator) -> Array:
@@ -151,10 +159,13 @@ class Statement:
             return np.array([1.0, -load, -(load**2)])
         return np.array([1.0 - share, share, load * (1.0 - share), load * share, -(load**2)])
 
-    def forget_load(self) -> None:
-        """Leave out every load term, as a constant step does: what is left is the step without load."""
-        for (joint, _), law in self._law.items():
+    def without_load(self) -> "Statement":
+        """The same without any load term, as a constant step is: what is left is the step without load."""
+        plain = copy(self)
+        plain._law = {key: law.copy() for key, law in self._law.items()}
+        for (joint, _), law in plain._law.items():
             law[1 if joint == 3 else 2 :] = 0.0
+        return plain
 
     def nominal(self) -> dict[str, Any]:
         """``system.nominal`` of the log set."""
@@ -170,7 +181,7 @@ class Statement:
             for (joint, direction), law in self._law.items()
         }
 
-    def misses(self, plan: list[Series], tables: list[Array], arm: PhysicalMover) -> float:
+    def misses(self, plan: list[Series], tables: list[Array]) -> float:
         """Rms relative error of the statement on moves without scatter."""
         errors = []
         for series, table in zip(plan, tables):

@@ -60,6 +60,7 @@ def write(result: Report, out: Path) -> list[Path]:
         "positioning": plots.positioning(result.growth),
         "prismatic-steps": plots.prismatic_steps(),
         "rotary-steps": plots.rotary_steps(),
+        "travel": plots.travel(),
         "actuator-trends": plots.actuator_trends(),
         "equation-6-6": plots.load_from_difference(),
         "view": plots.view(drawing),

@@ -14,6 +14,7 @@ from ..files import write_whole
 from . import routine, trends
 from .experiments import empirical_truth
 from .runs import groups, mean_of_inverse
+from .travel import passes
 
 if TYPE_CHECKING:
     from .calibration import Calibration
@@ -213,6 +214,19 @@ def rotary_steps() -> Figure:
         ylim=(65.0, 130.0),
     )
     axes[0, 0].legend(fontsize=8)
+    return canvas
+
+
+def travel() -> Figure:
+    """Does the step of joint 3 change along its travel? Distance over steps, as in Fig. 4.11."""
+    canvas, axes = figure(1, 2, (10.0, 4.2))
+    for ax, direction, word in zip(axes.ravel(), (1, -1), ("outward", "inward")):
+        chosen = [p for p in passes() if p.direction == direction]
+        for i, (run, colour) in enumerate(zip(chosen, (BLUE, ORANGE, GREEN)), start=1):
+            label = f"reading {i}: {1e6 * run.departure:.0f} µm rms from a line"
+            ax.plot(run.steps, 1e3 * run.read, "o-", color=colour, markersize=3, label=label)
+        ax.set(title=f"{word}, q₂ = −90°, θ = ψ = 0", xlabel="steps N", ylabel="distance [mm]")
+        ax.legend(fontsize=8)
     return canvas
 
 

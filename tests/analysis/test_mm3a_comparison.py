@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from gapscope.analysis import cli
 from gapscope.analysis.errors import InputError
-from gapscope.analysis.mm3a import comparison, experiments, positioning, prediction
+from gapscope.analysis.mm3a import comparison, experiments, positioning, prediction, travel
 from gapscope.analysis.mm3a.experiments import Environment
 from gapscope.models.mm3a.arm import Arm
 from gapscope.models.mm3a.step_size import StepModel, constant_steps
@@ -73,6 +73,16 @@ def test_open_loop_error_grows_with_distance_as_each_model_must():
     differential = growth.rms("true, differential")
     assert differential[1] > 8.0 * growth.rms("true")[1]
     assert 8.0 < differential[1] / differential[0] < 20.0
+
+
+def test_distance_over_steps_is_a_line_within_a_pixel():
+    """Section 4.6: the step of joint 3 does not vary along its travel; the image shows 54.79 um."""
+    runs = travel.passes()
+    assert [run.direction for run in runs] == [1, 1, 1, -1, -1, -1]
+    for run in runs:
+        assert run.departure < travel.PIXEL / np.sqrt(12.0) * 1.5  # rounding to whole pixels
+        basic = 972e-9 if run.direction > 0 else 899e-9
+        assert run.read[-1] / run.steps[-1] == pytest.approx(basic, rel=0.015)
 
 
 def test_simulate_then_calibrate_on_the_command_line(tmp_path):

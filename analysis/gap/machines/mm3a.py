@@ -39,7 +39,7 @@ from ..step_machine import (
     repeats,
     with_expectation,
 )
-from .settings import Settings, check_system, require_units, tolerance
+from .settings import Settings, nominal_settings, require_units, tolerance
 
 SIDES = ("negative", "positive")
 RUN_KEYS = {"joint", "theta_rad", "psi_rad", "session", "force_N", "run_in_steps", "note"}
@@ -62,12 +62,12 @@ BOTH_ENDS = {
 
 def read(logset: LogSet) -> tuple[StepMachine, list[RunData]]:
     """Machine and runs of a log set of moves."""
-    check_system(logset)
     require_units(logset, UNITS)
+    names = {f"joint_{j}_{side}" for j in (1, 2, 3) for side in SIDES}
+    settings = nominal_settings(logset, names | {"arm", "repeatability"})
     where = f"{logset.folder / FILE}, system.nominal"
     nominal = logset.system.get("nominal", {})
-    names = {f"joint_{j}_{side}" for j in (1, 2, 3) for side in SIDES}
-    settings = Settings(where, nominal, names | {"arm", "repeatability", "note"})
+    stated = settings.number("repeatability", positive=True) if "repeatability" in nominal else None
     moving = tuple(sorted({_joint(logset, run) for run in logset.runs}))
     table = _table(where, nominal, _directions(logset))
     machine = StepMachine(
@@ -81,15 +81,13 @@ def read(logset: LogSet) -> tuple[StepMachine, list[RunData]]:
         arm=_arm(where, nominal.get("arm", {})),
         moving=moving,
         sessions=tuple(dict.fromkeys(_session(run) for run in logset.runs)),
-        repeatability=settings.number("repeatability", positive=True)
-        if "repeatability" in nominal
-        else None,
+        repeatability=stated or np.nan,
     )
     machine = _with_own(machine, tolerance(logset))
     runs = [with_expectation(_run(logset, run, machine), machine) for run in logset.runs]
-    stated = settings.number("repeatability", positive=True) if "repeatability" in nominal else None
-    size = _repeatability(logset, machine, runs) if stated is None else stated
-    return replace(machine, repeatability=size), list(runs)
+    if stated is None:
+        machine = replace(machine, repeatability=_repeatability(logset, machine, runs))
+    return machine, list(runs)
 
 
 def _repeatability(logset: LogSet, machine: StepMachine, runs: Sequence[MoveRun]) -> float:

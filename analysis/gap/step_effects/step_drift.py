@@ -21,7 +21,7 @@ def forms(machine: StepMachine, moves: Moves) -> list[Form]:
         _warming(moves),
     ]
     if len(machine.sessions) > 1:  # in one session it is a difference between directions
-        each = {
+        each: dict[str, Key] = {
             f"day{d + 1}_{_n(j)}_{SIDES[side]}": (d, j, (side,))
             for d, j, sides in joints.values()
             for side in sides

@@ -68,8 +68,9 @@ def test_nothing_planted_nothing_found(tmp_path, seed):
     ],
 )
 def test_planted_effect_is_named_and_its_size_recovered(tmp_path, effect, expected, tolerance):
-    plan = diagnosis_plan(run_in=8) if effect == "step.drift" else None
-    diagnosis = diagnose(write(tmp_path, effect, plan=plan))
+    # One day of 240 moves leaves a payload and free load terms, or a warming, too little apart.
+    short = effect in ("step.load", "step.recoil", "step.direction")
+    diagnosis = diagnose(write(tmp_path, effect, plan=None if short else diagnosis_plan()))
     assert diagnosis.verdict.verdict == "explained"
     found = accepted(diagnosis)
     assert list(found) == [effect.partition(":")[0]]
