@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import stats
 
 from ...models.mm3a import step_size
 from ...models.mm3a.arm import Arm
@@ -30,6 +31,7 @@ PRISMATIC = 2  # index of the joint that slides
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)  # along a move
 SAME_ANGLE, SAME_LENGTH = 0.05, 0.5e-3  # starts this close are the same posture [rad], [m]
 SAME_SHARE = 0.05  # of the travel of joint 3
+ENOUGH_REPEATS = 30  # that show whether some moves fail
 FEWEST_REPEATS = 5  # differences of repeated moves that make a floor
 STATED = "repeatability of a move, stated or of all runs together"
 REPEATED = "repeatability of repeated moves"
@@ -165,6 +167,19 @@ class StepMachine(Machine):
             size, source = self.repeatability, STATED
         own = [f if source == REPEATED and len(f) else None for f in found]
         return [alternating(size, r) if f is None else f for f, r in zip(own, residuals)], source
+
+    def out_of_step(self, runs: Sequence[RunData], residuals: Sequence[Array]) -> float | None:
+        """Rms of what does not repeat over its Gaussian core, at the lower end of its error.
+
+        Well above 1 where single moves fail: the many that do not tell how well the rest repeat.
+        """
+        found = np.concatenate(
+            [repeats(run, r) for run, r in zip(runs, residuals) if isinstance(run, MoveRun)]
+        )
+        core = float(stats.median_abs_deviation(found.ravel(), scale="normal")) if found.size else 0
+        if found.size < ENOUGH_REPEATS or not core > 0.0:
+            return None
+        return rms([found]) / core / (1.0 + 2.0 / float(np.sqrt(found.size)))
 
 
 def alternating(size: float, residual: Array) -> Array:

@@ -127,7 +127,7 @@ def in_step(verdict: Verdict, out_of_step: float | None) -> Verdict:
     return replace(
         verdict,
         verdict="unexplained",
-        reason=f"What does not repeat from cycle to cycle is {out_of_step:.1f} x the encoder's noise: "
+        reason=f"What does not repeat is {out_of_step:.1f} x the noise of the measurement: "
         f"a disturbance out of step with the motion, which no effect of the catalogue makes. "
         f"{verdict.reason}",
         accepted=None,

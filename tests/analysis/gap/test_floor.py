@@ -68,4 +68,4 @@ def test_a_disturbance_out_of_step_takes_the_claim_back(verdict):
     assert in_step(claim, None) is claim
     taken = in_step(claim, 3.0)
     assert taken.verdict == "unexplained"
-    assert "3.0 x the encoder's noise" in taken.reason
+    assert "3.0 x the noise of the measurement" in taken.reason
