@@ -43,7 +43,7 @@ from .settings import Settings, nominal_settings, require_units, tolerance
 
 SIDES = ("negative", "positive")
 RUN_KEYS = {"joint", "theta_rad", "psi_rad", "session", "force_N", "run_in_steps", "note"}
-UNITS = {"steps": "1", "q1": "rad", "q2": "rad", "q3": "m", "moved": "rad or m"}
+COLUMNS = {"steps": "1", "q1": "rad", "q2": "rad", "q3": "m", "moved": "rad or m"}
 KEYS = {
     PRISMATIC: {"basic": 0, "recoil": 1, "load": 2, "curve": 4},
     0: {
@@ -62,7 +62,7 @@ BOTH_ENDS = {
 
 def read(logset: LogSet) -> tuple[StepMachine, list[RunData]]:
     """Machine and runs of a log set of moves."""
-    require_units(logset, UNITS)
+    require_units(logset, COLUMNS)
     names = {f"joint_{j}_{side}" for j in (1, 2, 3) for side in SIDES}
     settings = nominal_settings(logset, names | {"arm", "repeatability"})
     where = f"{logset.folder / FILE}, system.nominal"
