@@ -30,7 +30,12 @@ SINGLE = (
     "actuator.hysteresis",
 )  # fmt: skip
 OFF_LIBRARY = ("friction_ripple", "lost_steps", "wandering")
-DECK = (*[()] * 4, *[(e,) for e in SINGLE * 3], *[("off",)] * 4, *[("pair",)] * 4)  # of 30 cases
+DECK: tuple[tuple[str, ...], ...] = (
+    *[()] * 4,
+    *[(e,) for e in SINGLE * 3],
+    *[("off",)] * 4,
+    *[("pair",)] * 4,
+)  # of 30 cases
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -201,14 +206,12 @@ def _off_library(cause: str, rng: np.random.Generator) -> Truth:
         return Truth(spoil=lambda t: 1.0 - lost * (_noise(seed, t) < share))
     size, pace = float(rng.uniform(0.03, 0.08)), float(rng.uniform(150.0, 400.0))
     phase = rng.uniform(0.0, 2.0 * np.pi, 3)
-    return Truth(
-        spoil=lambda t: (
-            1.0
-            + size
-            / 3.0
-            * sum(np.sin(2 * np.pi * t * (i + 1.3) / pace + phase[i]) for i in range(3))
-        )
-    )
+    waves = np.arange(3) + 1.3
+
+    def wander(t: float) -> float:
+        return 1.0 + size / 3.0 * float(np.sum(np.sin(2.0 * np.pi * t * waves / pace + phase)))
+
+    return Truth(spoil=wander)
 
 
 def _noise(seed: int, t: float) -> float:
@@ -218,8 +221,8 @@ def _noise(seed: int, t: float) -> float:
 def _with(case: Case, rng: Any, name: str, low: float, high: float, key: str) -> Case:
     """The case with one constant of the truth drawn between ``low`` and ``high``."""
     value = float(rng.uniform(low, high))
-    truth: Any = replace(case.truth, **{name: value})  # type: ignore[arg-type]
-    return _noted(replace(case, truth=truth), key, value)
+    changed: Any = {name: value}
+    return _noted(replace(case, truth=replace(case.truth, **changed)), key, value)
 
 
 def _noted(case: Case, key: str, value: float) -> Case:

@@ -69,8 +69,8 @@ class EmpiricalMover:
         """Displacement of the logged steps, after the run-in."""
         joint, direction = series.joint - 1, 1 if steps > 0 else -1
         tilted = replace(self._conditions, theta=series.theta)
-        weight = np.multiply(gravity_in_base(series.theta, 0.0), self._planted.payload)
-        session = tilted.session()._replace(force=tuple(weight))
+        weight: Any = np.multiply(gravity_in_base(series.theta, 0.0), self._planted.payload)
+        session = tilted.session()._replace(force=(weight[0], weight[1], weight[2]))
         # Heat comes with time; at one step in STEP_TIME it is counted in steps.
         self._taken[joint] = round(t / STEP_TIME)
         if series.run_in:
@@ -130,14 +130,16 @@ def _direction(p: Planted) -> Planted:
 
 def _drift(p: Planted) -> Planted:
     first, second = p.sessions
-    return replace(p, sessions=(first, replace(second, scale=((1.0 + DAY,) * 2,) * 3)))
+    both = (1.0 + DAY, 1.0 + DAY)
+    return replace(p, sessions=(first, replace(second, scale=(both, both, both))))
 
 
 def _warming(p: Planted) -> Planted:
     return replace(
         p,
         sessions=tuple(
-            replace(c, heating=(WARMING,) * 3, heating_steps=WARM_UP) for c in p.sessions
+            replace(c, heating=(WARMING, WARMING, WARMING), heating_steps=WARM_UP)
+            for c in p.sessions
         ),
     )
 
@@ -148,7 +150,11 @@ def _payload(p: Planted) -> Planted:
 
 def _hysteresis(p: Planted) -> Planted:
     return replace(
-        p, sessions=tuple(replace(c, reversal_loss=(REVERSAL_LOSS,) * 3) for c in p.sessions)
+        p,
+        sessions=tuple(
+            replace(c, reversal_loss=(REVERSAL_LOSS, REVERSAL_LOSS, REVERSAL_LOSS))
+            for c in p.sessions
+        ),
     )
 
 

@@ -9,6 +9,7 @@ in series with the stack, a payload is a body on the tip.
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,7 +110,7 @@ class PhysicalMover:
             hysteresis=truth.hysteresis,
         )
 
-    def _tilted(self, theta: float) -> tuple[MultibodyPlant, object]:
+    def _tilted(self, theta: float) -> tuple[MultibodyPlant, Any]:
         plant = MultibodyPlant(0.0)
         add_arm(plant, Arm(), theta, 0.0)
         if self._truth.payload:

@@ -6,6 +6,7 @@ together.
 """
 
 from ..effects.base import Effect, Form, Values, parameter
+from ..machine import Parameter
 from ..step_machine import StepMachine, StepPlant
 from .base import Moves, at_joints, removable
 
@@ -28,7 +29,7 @@ def forms(machine: StepMachine, moves: Moves) -> list[Form]:
             plant.reversal[joint] += values.get(f"gain_{joint + 1}", 0.0)
             plant.reversal_load[joint] += values.get(f"loadgain_{joint + 1}", 0.0)
 
-    choices = {"at once": [], "with the load": with_load}
+    choices: dict[str, list[Parameter]] = {"at once": [], "with the load": with_load}
     if moves.lengths_vary:
         choices["over some steps"] = [memory]
     return [

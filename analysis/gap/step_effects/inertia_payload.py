@@ -4,6 +4,7 @@ How a stick-slip step depends on inertia has no known law (section 5.4 of Damani
 """
 
 from ..effects.base import Effect, Form, Values, parameter
+from ..machine import Parameter
 from ..step_machine import StepMachine, StepPlant
 from .base import Moves, everywhere, removable
 
@@ -22,6 +23,7 @@ def forms(machine: StepMachine, moves: Moves) -> list[Form]:
         for joint in moves.sides:
             plant.change[joint] += values.get(f"inertia_{joint + 1}", 0.0)
 
+    choices: dict[str, list[Parameter]] = {"weight": [], "weight and inertia": shares}
     return [
         Form(
             effect=EFFECT.id,
@@ -31,7 +33,7 @@ def forms(machine: StepMachine, moves: Moves) -> list[Form]:
             where=everywhere(machine),
             removable=removable(extra),
         )
-        for name, extra in (("weight", []), ("weight and inertia", shares))
+        for name, extra in choices.items()
     ]
 
 
