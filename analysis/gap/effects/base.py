@@ -7,7 +7,6 @@ from typing import Any, Protocol
 import numpy as np
 
 from ....models.drive import Drive
-from ..drive_machine import DriveMachine
 from ..machine import Array, Parameter, RunData
 
 RARE = 0.03  # price of a form that a plainer one nearly contains
