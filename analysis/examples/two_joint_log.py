@@ -120,7 +120,7 @@ def _plant(path: Path, payload: float) -> Any:
             "payload", plant.GetModelInstanceByName("two_joint_arm"),
             SpatialInertia.SolidSphereWithMass(payload, 0.005),
         )  # fmt: skip
-        tip = RigidTransform(np.array([0.25, 0.0, 0.0]))
-        plant.WeldFrames(plant.GetFrameByName("forearm"), ball.body_frame(), tip)
+        place: Any = np.array([0.25, 0.0, 0.0])
+        plant.WeldFrames(plant.GetFrameByName("forearm"), ball.body_frame(), RigidTransform(place))
     plant.Finalize()
     return plant
