@@ -27,6 +27,8 @@ def resumable_map(
     ``workers.each``; ``function`` must be importable there. Raises what ``function`` raises; finished cases are kept.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    for draft in folder.glob(".*.json.*"):  # of a run that was killed while it wrote
+        draft.unlink(missing_ok=True)
     wanted = [(case, folder / f"{_digest(function, case)}.json") for case in cases]
     missing = [(case, path) for case, path in wanted if not path.exists()]
     done = len(wanted) - len(missing)

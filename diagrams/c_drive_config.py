@@ -4,19 +4,17 @@ The dataclasses are mutable because Drake's loader fills them field by field; th
 when the loop is built, by the dataclasses of ``models/`` whose defaults they share.
 """
 
-import re
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 
 import numpy as np
-import yaml
-from pydrake.common.yaml import yaml_load_typed
 
 from ..models import c_drive_controllers as controllers
 from ..models.c_drive import CDriveParameters, collar_pose
 from ..models.fourier_motion import FourierMotion, load_motion
 from ..models.motion import MotionProgram, c_drive_motion
+from .typed_yaml import load_typed, read_text
 
 PLANTS = ("sampled", "continuous")
 
@@ -229,27 +227,16 @@ def load_config(path: str | Path) -> CDriveLoopConfig:
 
     Raises ValueError for an unknown key or tag, a value of another type or text that is not YAML.
     """
+    text = read_text(path)
     try:
-        return parse_config(Path(path).read_text(encoding="utf-8"))
+        return parse_config(text)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
 
 
 def parse_config(text: str) -> CDriveLoopConfig:
     """Settings from YAML text; errors as for ``load_config``."""
-    try:
-        return yaml_load_typed(schema=CDriveLoopConfig, data=text, defaults=CDriveLoopConfig())
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        line = f", line {mark.line + 1}" if mark else ""
-        raise ValueError(f"not valid YAML{line}") from None
-    except (AssertionError, AttributeError) as error:
-        raise ValueError(f"found {error} where keys with values are expected") from None
-    except (RuntimeError, ValueError, TypeError) as error:
-        unknown = re.match(r"The fields \['?([^']*)'?.*\] were unknown", str(error))
-        if unknown:
-            raise ValueError(f"unknown key {unknown[1]!r}; expected {_known_keys()}") from None
-        raise ValueError(" ".join(str(error).split())) from None
+    return load_typed(text, CDriveLoopConfig(), _known_keys())
 
 
 def _known_keys() -> str:

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydrake.common.yaml import yaml_load_typed
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from ..models.pmc import cycle as cycles
@@ -16,6 +15,7 @@ from ..models.pmc.parameters import PMCParameters
 from ..systems.pmc_carrier import SampledCarrier
 from ..systems.pmc_controller import CarrierController
 from ..systems.pmc_source import PORTS, CycleSource
+from .typed_yaml import load_typed, read_text
 
 CYCLES = {"industry": IndustryCycle, "smooth": LameCycle}
 
@@ -45,8 +45,12 @@ class PMCLoopConfig:
 
     @classmethod
     def load(cls, path: str | Path) -> "PMCLoopConfig":
-        """Config from YAML; unknown keys are refused."""
-        return yaml_load_typed(schema=cls, filename=str(path), defaults=cls())
+        """Config from YAML; ValueError for text that is not, unknown keys and values of another type."""
+        text, known = read_text(path), ", ".join(cls.__dataclass_fields__)
+        try:
+            return load_typed(text, cls(), known)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
 
     def check(self) -> None:
         """Raise ValueError, naming the key, for what no loop can be built with."""

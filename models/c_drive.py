@@ -22,6 +22,7 @@ import yaml
 from numpy.typing import ArrayLike, NDArray
 
 from .drive import BACKWARD, FORWARD, Drive, ideal_drive
+from .yaml_mapping import read_yaml_mapping
 
 SHAFTS = ("left", "right")
 ELEMENTS = ("left", "right", "collar")
@@ -83,13 +84,16 @@ class CDriveParameters:
     @classmethod
     def load(cls, path: str | Path) -> "CDriveParameters":
         """Parameters from a YAML file of these fields; a field left out keeps its default."""
-        values = yaml.safe_load(Path(path).read_text()) or {}
+        values = read_yaml_mapping(path)
         unknown = sorted(set(values) - set(cls.__dataclass_fields__))
         if unknown:
             raise ValueError(
                 f"{path}: unknown key {unknown[0]!r}; expected {', '.join(cls.__dataclass_fields__)}"
             )
-        return cls(**values)
+        try:
+            return cls(**values)
+        except TypeError as error:
+            raise ValueError(f"{path}: {error}; expected numbers") from None
 
     def save(self, path: str | Path) -> None:
         """Write all fields as YAML."""

@@ -15,6 +15,8 @@ import numpy as np
 import yaml
 from numpy.typing import ArrayLike, NDArray
 
+from .yaml_mapping import read_yaml_mapping
+
 Array = NDArray[np.float64]
 
 AT_REST = 1e-6  # end speed and acceleration over the largest of the harmonics', of rounded files
@@ -104,15 +106,9 @@ class FourierMotion:
 
 def load_motion(path: str | Path) -> FourierMotion:
     """The motion of a YAML file; ValueError names the file and the key that cannot be used."""
-    try:
-        document = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ValueError(f"{path}: {error.strerror}; expected a motion file") from None
-    except (yaml.YAMLError, UnicodeDecodeError):
-        raise ValueError(f"{path}: not valid YAML; expected keys {', '.join(KEYS)}") from None
-    if not isinstance(document, Mapping) or set(document) != set(KEYS):
-        keys = sorted(map(str, document)) if isinstance(document, Mapping) else type(document)
-        raise ValueError(f"{path}: found {keys}; expected keys {', '.join(KEYS)}")
+    document = read_yaml_mapping(path)
+    if set(document) != set(KEYS):
+        raise ValueError(f"{path}: found {sorted(document)}; expected keys {', '.join(KEYS)}")
     try:
         return FourierMotion(
             name=str(document["name"]),
@@ -121,7 +117,7 @@ def load_motion(path: str | Path) -> FourierMotion:
             cosine=_table(document, "cosine"),
             sine=_table(document, "sine"),
         )
-    except ValueError as error:
+    except (ValueError, OverflowError) as error:
         raise ValueError(f"{path}: {error}") from None
 
 

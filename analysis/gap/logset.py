@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
+from ...models.yaml_mapping import read_yaml_mapping
 from ..errors import InputError
 from .sampling import Piece, read_pieces
 
@@ -43,6 +43,7 @@ TOP_KEYS = frozenset(
 MODEL_FILE = "model_file"  # kind of a machine described by an URDF or SDF file
 MOVE_KINDS = frozenset(["mm3a"])  # machines whose samples are moves, one after the other
 
+LONGEST_STEP = 1e6  # [s]; no clock of a log ticks slower
 Read = Callable[[str, list[str], float | None, bool], list[Piece]]  # file, columns, dt, resample
 
 
@@ -231,7 +232,7 @@ def _sample_time(document: Mapping[str, Any], path: Path) -> float | None:
     dt = document.get("sample_time_s")
     if isinstance(dt, str) and "t column" in dt:
         return None
-    if isinstance(dt, bool) or not isinstance(dt, int | float) or not 0.0 < dt < np.inf:
+    if isinstance(dt, bool) or not isinstance(dt, int | float) or not 0.0 < dt < LONGEST_STEP:
         raise InputError(
             path,
             f"sample_time_s is {dt!r}",
@@ -249,15 +250,11 @@ def _resample(document: Mapping[str, Any], path: Path) -> bool:
 
 def _read_yaml(path: Path) -> dict[str, Any]:
     try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except UnicodeDecodeError as error:
-        raise InputError(path, f"not text: {error.reason}", "UTF-8 YAML") from None
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f"{path}, line {mark.line + 1}" if mark else path
-        raise InputError(where, "not valid YAML", "a mapping of keys to values") from None
-    except RecursionError:
-        raise InputError(path, "YAML nested too deeply", "a mapping of keys to values") from None
+        document = read_yaml_mapping(path)
+    except ValueError as error:
+        where, _, found = str(error).rpartition(": ")
+        found, _, expected = found.partition("; expected ")
+        raise InputError(where or path, found, expected or "a mapping of keys to values") from None
     return _checked(document, path)
 
 

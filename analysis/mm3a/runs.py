@@ -120,14 +120,17 @@ def read_runs(path: Path, arm: Arm | None = None) -> list[Run]:
     """Runs of a CSV file. InputError names file, line, what is wrong and what is expected."""
     if not path.is_file():
         raise InputError(path, "no such file", f"a CSV table with columns {', '.join(COLUMNS)}")
-    with path.open(newline="") as file:
-        reader = csv.DictReader(file)
-        missing = [name for name in COLUMNS if name not in (reader.fieldnames or [])]
-        if missing:
-            raise InputError(
-                path, f"columns {', '.join(missing)} are missing", f"columns {', '.join(COLUMNS)}"
-            )
-        rows = list(reader)
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            reader = csv.DictReader(file)
+            missing = [name for name in COLUMNS if name not in (reader.fieldnames or [])]
+            rows = [] if missing else list(reader)
+    except (UnicodeDecodeError, OSError, csv.Error) as error:
+        raise InputError(path, f"unreadable ({error})", "a CSV table in UTF-8") from None
+    if missing:
+        raise InputError(
+            path, f"columns {', '.join(missing)} are missing", f"columns {', '.join(COLUMNS)}"
+        )
     if not rows:
         raise InputError(path, "the table has no rows", "one row per run")
     return [_run(path, line, row, arm or Arm()) for line, row in enumerate(rows, start=2)]
@@ -139,7 +142,7 @@ def _run(path: Path, line: int, row: dict[str, str], arm: Arm) -> Run:
         values = {name: _number(kinds[name], row[name]) for name in COLUMNS}
         run = Run(**values)  # type: ignore[arg-type]
         run.check(arm)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
             f"{path}, line {line}",
             str(error),

@@ -18,6 +18,7 @@ import numpy as np
 import yaml
 
 from ..c_drive import CDriveParameters
+from ..yaml_mapping import read_yaml_mapping
 from .geometry import Geometry
 
 HALF_MASS = 3.279  # of the robot without the collars' ends [kg], eq. (3.6)
@@ -136,7 +137,7 @@ class PMCParameters:
     @classmethod
     def load(cls, path: str | Path) -> "PMCParameters":
         """Parameters from a YAML file of these fields; a field left out keeps its default."""
-        return cls.from_mapping(yaml.safe_load(Path(path).read_text()) or {}, str(path))
+        return cls.from_mapping(read_yaml_mapping(path), str(path))
 
     @classmethod
     def from_mapping(cls, values: dict, where: str) -> "PMCParameters":
@@ -152,8 +153,10 @@ _NESTED = {"geometry": Geometry, "drive": CDriveParameters, "counterweight": Cou
 
 
 def _build(cls: type, values: dict, where: str) -> "PMCParameters":
+    if not isinstance(values, dict):
+        raise ValueError(f"{where}: {values!r}; expected a mapping of keys to values")
     known = [item.name for item in fields(cls)]
-    unknown = sorted(set(values) - set(known))
+    unknown = sorted(str(key) for key in values if key not in known)
     if unknown:
         raise ValueError(f"{where}: unknown key {unknown[0]!r}; expected one of {', '.join(known)}")
     nested = {
@@ -161,7 +164,10 @@ def _build(cls: type, values: dict, where: str) -> "PMCParameters":
         for name, value in values.items()
         if name in _NESTED
     }
-    return cls(**(values | nested))
+    try:
+        return cls(**(values | nested))
+    except TypeError as error:
+        raise ValueError(f"{where}: {error}; expected numbers") from None
 
 
 def _check(parameters: object, what: str, positive: tuple[str, ...]) -> None:

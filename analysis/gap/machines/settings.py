@@ -29,9 +29,12 @@ class Settings:
         wanted = "a positive number" if positive else "a finite number"
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise InputError(f"{self._where}.{key}", f"{value!r}", wanted)
-        if not np.isfinite(value) or (positive and value <= 0.0):
+        if not abs(value) < np.inf or (positive and value <= 0.0):
             raise InputError(f"{self._where}.{key}", f"{value!r}", wanted)
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:  # an integer of hundreds of digits
+            raise InputError(f"{self._where}.{key}", f"{value!r:.40}...", wanted) from None
 
 
 def nominal_settings(logset: LogSet, known: set[str]) -> Settings:

@@ -51,7 +51,7 @@ def _open(path: Path) -> Any:
     arrow = optional("pyarrow", "parquet", path)
     parquet = optional("pyarrow.parquet", "parquet", path)
     try:
-        return parquet.ParquetFile(path, memory_map=True)
+        return parquet.ParquetFile(path)
     except (arrow.ArrowException, OSError, ValueError) as error:
         raise broken(path, WANTED, error) from None
 
