@@ -22,6 +22,8 @@ def load_typed(text: str, defaults: T, known: str) -> T:
         _refuse_unreadable(text)
     try:
         found: T = yaml_load_typed(schema=type(defaults), data=text, defaults=defaults)
+    except yaml.YAMLError as error:  # a tag whose value is of another shape
+        raise ValueError(f"not usable YAML ({' '.join(str(error).split())[:200]})") from None
     except (AssertionError, AttributeError) as error:
         raise ValueError(f"found {error} where keys with values are expected") from None
     except (RuntimeError, ValueError, TypeError, KeyError, OverflowError, RecursionError) as error:

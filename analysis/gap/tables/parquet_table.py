@@ -40,9 +40,11 @@ def blocks(path: Path, names: Sequence[str]) -> Iterator[Array]:
         raise no_column(path, missing[0], names, known)
     arrow = optional("pyarrow", "parquet", path)
     try:
-        for batch in file.iter_batches(batch_size=BLOCK, columns=list(names)):
-            columns = [batch.column(batch.schema.get_field_index(name)) for name in names]
-            yield np.column_stack([_floats(arrow, column) for column in columns])
+        # One row group at a time: a reader of them all keeps what it has read.
+        for group in range(file.num_row_groups):
+            for batch in file.iter_batches(BLOCK, row_groups=[group], columns=list(names)):
+                columns = [batch.column(batch.schema.get_field_index(name)) for name in names]
+                yield np.column_stack([_floats(arrow, column) for column in columns])
     except (arrow.ArrowException, OSError, ValueError, TypeError) as error:
         raise broken(path, "columns of numbers", error) from None
 
