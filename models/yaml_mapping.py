@@ -49,7 +49,8 @@ def yaml_mapping(
     if nodes > MOST_NODES:
         raise ValueError(f"{where}: {nodes:.3g} values; expected at most {MOST_NODES}")
     if not isinstance(document, dict):
-        raise ValueError(f"{where}: no keys; {expected}")
+        found = "nothing" if document is None else f"a {type(document).__name__}"
+        raise ValueError(f"{where}: {found} instead of keys; {expected}")
     odd = [key for key in document if not isinstance(key, str)]
     if odd:
         raise ValueError(f"{where}: key {str(odd[0])[:60]!r} is no text; expected names as keys")
