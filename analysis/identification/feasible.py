@@ -43,9 +43,8 @@ def feasible(machine: Machine, data: Regression, scatter: Floats) -> Floats:
     known, width = _prior(machine)
     count = known.size
     program.Add2NormSquaredCost(np.eye(count) / size, known / width / size, x[:count])
-    # Element by element: numpy would warn of the flags that symbolic products raise.
-    values = np.array([float(s) * v for s, v in zip(scale, x)])
-    _constrain(machine, program, values)
+    with np.errstate(invalid="ignore"):  # symbolic products raise the flag without a cause
+        _constrain(machine, program, scale * x)
     result = ClarabelSolver().Solve(program)
     if not result.is_success():
         raise InfeasibleError(f"{machine.name}: {result.get_solution_result()}")

@@ -77,7 +77,9 @@ def forces(study: Study) -> Figure:
         axes.plot(t, predicted[own], color=VERMILION, lw=1.0, ls="--", label="identified, feasible")
         axes.set_ylabel(f"axis {i + 1} [{unit}]")
     axes.set_xlabel("time [s]")
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=3, fontsize=8)
+    figure.legend(
+        *axes.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8
+    )
     errors = study.errors
     figure.suptitle(
         f"{m.title}, another motion: force error {1e2 * errors['feasible']:.1f} % "
