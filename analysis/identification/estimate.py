@@ -61,11 +61,11 @@ def fit(data: Regression, base: Base, axes: int) -> Fit:
 
 
 def complete(machine: Machine, base: Base, values: Floats, data: Regression) -> Completion | None:
-    """Every usable combination of trusted parameters; None where too few are trusted (5.37)."""
+    """Every usable combination of trusted parameters; None where none are needed, or too few are known."""
     names = machine.names
     lacking = len(names) - len(values)
     trusted = [names.index(name) for name in machine.trusted]
-    if lacking > len(trusted):
+    if not 0 < lacking <= len(trusted):
         return None
     total = comb(len(trusted), lacking)
     chosen = np.array(list(combinations(trusted, lacking))[:MANY], dtype=int).reshape(-1, lacking)
