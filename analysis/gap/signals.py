@@ -24,6 +24,7 @@ FAITHFUL = 0.01  # replay difference, relative to the rms command, that needs no
 LEAST_GAIN = 0.5  # fall of the log rms replay difference worth a finding
 LARGEST_LEFT = 0.5  # of the replay difference that may stay after a finding, as a share
 HOME_COUNTS = 3.0  # encoder steps that the first reading may be away from the reference
+STAYS = 0.5  # share of the first reading's distance that is still there on average: a sag
 COARSER = 1.5  # ratio of the encoder step found to the stated one
 EDGE = 60  # samples at the ends that do not count: filters settle, shifts lack data
 
@@ -217,6 +218,10 @@ def _home_offset(machine: Machine, runs: Sequence[RunData]) -> list[SignalFindin
     lsb = max(run.lsb for run in runs)
     limit = np.maximum(HOME_COUNTS * lsb, 5.0 * spread)
     away = np.abs(mean) > np.maximum(limit, 1e-12)
+    # A machine that sags under a load stays away from its reference; one whose readings are off is
+    # driven to it.
+    later = np.mean([np.mean(run.position - run.reference, axis=0) for run in runs], axis=0)
+    away &= np.abs(later) < STAYS * np.abs(mean)
     if lsb <= 0.0 or len(runs) < 2 or not np.any(away):
         return []
     return [

@@ -11,7 +11,8 @@ import jinja2
 
 from ...errors import InputError
 from ...files import output_folder, write_whole
-from .words import confidence, interval, listed, meaning, number, percent
+from ..effects import catalogue
+from .words import confidence, interval, listed, number, percent
 
 FILE = "comparison.html"
 VERDICTS = {
@@ -59,7 +60,7 @@ def page(diagnoses: Sequence[Named]) -> str:
         headline=headline(diagnoses),
         rows=[_row(d) for d in diagnoses],
         effects=[
-            (effect, meaning(effect), [_cell(d, effect) for d in diagnoses]) for effect in effects
+            (effect, _meaning(effect), [_cell(d, effect) for d in diagnoses]) for effect in effects
         ],
         names=[d.name for d in diagnoses],
         joints=_shares(diagnoses, "joints"),
@@ -68,6 +69,12 @@ def page(diagnoses: Sequence[Named]) -> str:
         warnings=[(d.name, d.content["warnings"]) for d in diagnoses],
         provenance=[(d.name, d.content["provenance"]) for d in diagnoses],
     )
+
+
+def _meaning(effect: str) -> str:
+    """What an effect id stands for; empty for one outside the catalogue of drives."""
+    known = catalogue().get(effect)
+    return known.summary.split(";")[0] if known else ""
 
 
 def headline(diagnoses: Sequence[Named]) -> str:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gapscope.analysis.gap import signals
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine, stated_encoder_step
 from gapscope.analysis.gap.signals import examine
@@ -57,3 +58,22 @@ def test_a_coarser_encoder_than_stated(case):
     coarse = [replace(run, lsb=8.0 * run.lsb) for run in runs]
     _, findings = examine(machine, coarse, lsb)
     assert [f.effect for f in findings] == ["sensor.quantisation"]
+
+
+def test_readings_that_start_off_and_are_driven_back_are_a_home_offset(case):
+    """The loop sees the offset: it starts with it and then drives the reading to the reference."""
+
+    def homed_wrong(run):
+        decay = np.exp(-run.t / 0.02)[:, None]
+        return replace(run, position=run.position + 0.02 * decay * [1.0, 0.0])
+
+    machine, runs, _ = case
+    finding = signals._home_offset(machine, [homed_wrong(run) for run in runs if run.use == "fit"])
+    assert finding[0].form == "home offset"
+    assert finding[0].where == {"joints": ["left"]}
+
+
+def test_a_machine_that_sags_under_a_load_has_no_home_offset(case):
+    machine, runs, _ = case
+    sagging = [replace(r, position=r.position + 0.02) for r in runs if r.use == "fit"]
+    assert signals._home_offset(machine, sagging) == []
