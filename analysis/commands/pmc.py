@@ -59,7 +59,9 @@ def simulate(
 
     try:
         settings = PMCLoopConfig.load(config) if config else PMCLoopConfig()
-    except (RuntimeError, OSError) as error:
+    except (RuntimeError, OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
         raise InputError(config, str(error), "YAML with the fields of PMCLoopConfig") from error
     for name, value in (("controller", controller), ("cycle", cycle), ("speed", speed)):
         if value is not None:

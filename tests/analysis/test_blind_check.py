@@ -101,9 +101,9 @@ def test_a_crash_is_a_failed_case_and_is_tried_again(tmp_path, quick_cases):
 
 def test_a_folder_of_another_run_is_refused(tmp_path, quick_cases):
     run(tmp_path)
-    with pytest.raises(InputError, match="5 cases of seed 7"):
+    with pytest.raises(InputError, match="5 cases of drive, seed 7"):
         run(tmp_path, seed=8)
-    with pytest.raises(InputError, match="5 cases of seed 7"):
+    with pytest.raises(InputError, match="5 cases of drive, seed 7"):
         run(tmp_path, cases=6)
 
 

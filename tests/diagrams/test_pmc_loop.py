@@ -101,5 +101,5 @@ def test_config_from_yaml(tmp_path):
     config = PMCLoopConfig.load(path)
     assert (config.controller, config.placement.z, config.cycle) == ("ra", -0.3, "industry")
     path.write_text("kontroller: ra\n")
-    with pytest.raises(RuntimeError, match="kontroller"):
+    with pytest.raises(ValueError, match="kontroller"):
         PMCLoopConfig.load(path)
