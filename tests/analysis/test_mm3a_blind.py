@@ -35,21 +35,17 @@ def test_loads_of_the_plant_are_those_of_the_thesis_with_the_payload_as_a_force(
         assert inertia > dynamics.mass_diagonal(q, Arm())[joint]
 
 
-def test_payload_shortens_a_step_against_its_load_and_recoil_one_across():
+def test_recoil_of_the_frame_shortens_a_step():
     q = np.array([0.0, -0.5, 0.006])
     up = Series(joint=3, theta=0.0, postures=(tuple(q),), session="a", run_in=6)
-    moved, load = {}, {}
+    moved = {}
     for name, truth in (
         ("sound", Truth()),
-        ("payload", Truth(payload=1e-3)),
         ("frame", Truth(frame=0.2)),
     ):
         mover = PhysicalMover(truth)
         mover.begin("a")
         moved[name] = mover.move(up, q, 6, 0.0)
-        load[name], _ = mover.load_and_inertia(2, q, 0.0)
-    against = np.sign(load["payload"] - load["sound"])
-    assert against * (moved["sound"] - moved["payload"]) > 0.05 * moved["sound"]
     assert moved["frame"] < 0.9 * moved["sound"]
 
 
