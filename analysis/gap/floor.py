@@ -37,14 +37,15 @@ def repeatability(residual: Array, period: int) -> Array | None:
     return np.asarray(np.diff(stack, axis=0).reshape(-1, residual.shape[1]) / np.sqrt(2.0))
 
 
-def quantisation_floor(lsb: float, bandwidth: float, dt: float) -> float:
+def quantisation_floor(lsb: float, bandwidth: float, dt: float, shifted: float = 0.0) -> float:
     """Rms prediction error that white quantisation noise alone causes.
 
     Measurement noise reaches the error of the alpha-beta observer through ((z - 1) / (z - p))^2.
+    ``shifted`` [samples] is how far linear interpolation has moved the readings.
     """
     pole = np.exp(-bandwidth * dt)
     impulse = np.zeros(int(50.0 / (bandwidth * dt)) + 10)
-    impulse[0] = 1.0
+    impulse[:2] = _interpolation(shifted)
     response = lfilter([1.0, -2.0, 1.0], [1.0, -2.0 * pole, pole * pole], impulse)
     return float(lsb / np.sqrt(12.0) * np.linalg.norm(response))
 
@@ -67,7 +68,7 @@ def out_of_step(
         frequency, power = welch(
             repeated, 1.0 / run.dt, nperseg=min(SEGMENT, len(repeated)), axis=0
         )
-        passed = np.abs(_noise_filter(frequency, bandwidth, run.dt)) ** 2
+        passed = np.abs(_noise_filter(frequency, bandwidth, run)) ** 2
         high = frequency > NOISE_BAND * frequency[-1]
         level = power[high].sum() / passed[high].sum()
         seen += float(power.sum())
@@ -93,10 +94,20 @@ def over_white_noise(runs: "Sequence[RunData]", residuals: Sequence[Array]) -> f
     return float(np.sqrt(np.mean(seen**2))) / level if level > 0.0 else None
 
 
-def _noise_filter(frequency: Array, bandwidth: float, dt: float) -> Array:
-    """Frequency response ((z - 1) / (z - p))^2 from measurement noise to prediction error."""
-    z = np.exp(2j * np.pi * frequency * dt)
-    return np.asarray(((z - 1.0) / (z - np.exp(-bandwidth * dt))) ** 2)
+def _noise_filter(frequency: Array, bandwidth: float, run: "RunData") -> Array:
+    """Frequency response from measurement noise to prediction error: ((z - 1) / (z - p))^2.
+
+    Before it comes the interpolation that has moved the readings of the run, if any.
+    """
+    z = np.exp(2j * np.pi * frequency * run.dt)
+    observer = ((z - 1.0) / (z - np.exp(-bandwidth * run.dt))) ** 2
+    return np.asarray(np.polyval(_interpolation(run.shifted), z) * observer)
+
+
+def _interpolation(shifted: float) -> Array:
+    """Weights (2,) of the two readings that a linear interpolation by ``shifted`` samples mixes."""
+    share = shifted % 1.0
+    return np.array([1.0 - share, share])
 
 
 def repeatability_floor(
@@ -121,7 +132,7 @@ def noise_floor(
     """
     floors, found = [], set()
     for run, residual in zip(runs, residuals):
-        encoder = quantisation_floor(run.lsb, bandwidth, run.dt)
+        encoder = quantisation_floor(run.lsb, bandwidth, run.dt, run.shifted)
         repeated = repeatability(residual, run.period) if run.period else None
         if repeated is None:
             found.add(f"encoder resolution; {NO_CYCLES}")

@@ -48,6 +48,7 @@ class RunData:
     controller: Any  # as the machine's closed loop needs it, None where no law is stated
     period: int | None  # samples of one repeated cycle, if the motion repeats
     lsb: float  # encoder step found in the data, 0 if it cannot be seen
+    shifted: float = 0.0  # samples that positions were moved by linear interpolation
     start: float = 0.0  # how long the machine had been running when the run began [s]
     window: slice = field(
         default_factory=lambda: slice(None)

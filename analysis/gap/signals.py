@@ -55,7 +55,8 @@ class _Candidate:
         value = self.scale * x
         n = run.position.shape[1]
         if self.form == "positions late":
-            return replace(run, position=_advanced(run.position, value[0], run.t))
+            moved = _advanced(run.position, value[0], run.t)
+            return replace(run, position=moved, shifted=value[0] / run.dt)
         if self.form == "reference early":
             return replace(
                 run,

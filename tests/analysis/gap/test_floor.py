@@ -39,6 +39,25 @@ def test_encoder_noise_keeps_below_the_limit(run):
     assert max(ratios) < OUT_OF_STEP
 
 
+@pytest.mark.parametrize("shift", [0.5, -0.69, 2.3])
+def test_readings_moved_by_interpolation_keep_below_the_limit(run, shift):
+    samples = np.arange(len(run.t))
+    moved = replace(run, shifted=shift)
+    ratios, sizes = [], []
+    for seed in SEEDS:
+        noise = np.random.default_rng(seed).normal(0.0, 1e-4, run.position.shape)
+        noise = np.column_stack([np.interp(samples + shift, samples, n) for n in noise.T])
+        error = prediction_error(run, noise)
+        ratios.append(out_of_step([moved], [error], BANDWIDTH))
+        sizes.append(np.std(error[50:-50]))
+    assert np.mean(ratios) == pytest.approx(1.0, abs=3 * np.std(ratios) / np.sqrt(len(ratios)))
+    assert max(ratios) < OUT_OF_STEP
+    lsb = 1e-4 * np.sqrt(12.0)
+    assert quantisation_floor(lsb, BANDWIDTH, run.dt, shift) == pytest.approx(
+        np.mean(sizes), rel=0.01
+    )
+
+
 def test_a_hum_is_seen_and_what_repeats_is_not(run):
     noise = np.random.default_rng(0).normal(0.0, 1e-4, run.position.shape)
     t = run.t[:, None]
