@@ -172,12 +172,14 @@ def load(q: Any, bias: Any, ripple_cos: Any, ripple_sin: Any, wavenumber: Any) -
 def coupling_force(
     twist: float, rate: float, stiffness: float, damping: float, gap: float
 ) -> float:
-    """Force (5) of a flexible coupling with clearance; damping acts in contact only."""
+    """Force (5) of a flexible coupling; with a clearance, it pushes and damps in contact only."""
     half = 0.5 * gap
+    if half == 0.0:
+        return stiffness * twist + damping * rate
     if twist > half:
-        return stiffness * (twist - half) + damping * rate
+        return max(0.0, stiffness * (twist - half) + damping * rate)
     if twist < -half:
-        return stiffness * (twist + half) + damping * rate
+        return min(0.0, stiffness * (twist + half) + damping * rate)
     return 0.0
 
 

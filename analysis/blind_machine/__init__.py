@@ -29,15 +29,16 @@ def write_case(seed: int, index: int, directory: Path) -> dict[str, Any]:
     """Write case ``index`` of ``seed`` as a log set into ``directory``; return its answer.
 
     The answer holds the ids, causes, drawn parameters and ``strength`` of the whole and, for pairs,
-    of each effect (the change when it alone is taken away), in multiples of the floor.
+    of each effect (the change when it alone is taken away), in multiples of the floor on the runs
+    to fit.
     """
     case = draw(seed, index)
     tables = logset.simulate(case, case.machine)
     logset.write(case, tables, directory)
     without = logset.simulate(case, case.nominal, events=False)
-    signals = logset.layout(case).SIGNALS
+    signals, seen = logset.layout(case).SIGNALS, logset.runs_for(case, "fit")
     parts = {
-        cause: strength.strength(tables, logset.simulate(case, machine), signals)
+        cause: strength.strength(tables, logset.simulate(case, machine), seen, signals)
         for cause, machine in case.partial.items()
     }
     return {
@@ -49,7 +50,7 @@ def write_case(seed: int, index: int, directory: Path) -> dict[str, Any]:
         "answer": list(case.answer),
         "cause": list(case.cause),
         "parameters": dict(case.parameters),
-        "strength": {"all": strength.strength(tables, without, signals), **parts},
+        "strength": {"all": strength.strength(tables, without, seen, signals), **parts},
         "attainable_percent": _attainable(case, tables),
         "floor": strength.floor(without, signals).tolist(),
         "nuisance": _differences(case),
@@ -79,7 +80,7 @@ def _attainable(case: Case, tables: list[strength.Array]) -> float | None:
         machine._replace(lsb=machine.lsb if coarse else FINE_LSB)
         for machine in (stated, case.machine)
     ]
-    runs, signals = logset.validation(case), logset.layout(case).SIGNALS
+    runs, signals = logset.runs_for(case, "validate"), logset.layout(case).SIGNALS
     before, after = (
         strength.gap(tables, logset.simulate(ideal, m, events=m is models[1]), runs, signals)
         for m in models

@@ -26,9 +26,9 @@ def simulate(case: Case, machine: AnyMachine, *, events: bool = True) -> list[Ar
     return tables
 
 
-def validation(case: Case) -> list[int]:
-    """Numbers of the runs that no instrument may fit."""
-    return [i for i, (*_, use) in enumerate(layout(case).RUNS) if use == "validate"]
+def runs_for(case: Case, purpose: str) -> list[int]:
+    """Numbers of the runs to ``fit``, or to ``validate``, which no instrument may fit."""
+    return [i for i, (*_, use) in enumerate(layout(case).RUNS) if use == purpose]
 
 
 def write(case: Case, tables: list[Array], directory: Path) -> None:

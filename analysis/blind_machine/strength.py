@@ -4,7 +4,8 @@ The same machine with the same nuisance and noise is run without the effect. Per
 is the RMS difference of the two logs and the floor is the RMS difference of the second and third
 cycle of the run without it, over sqrt(2) (that is one realisation's share; it holds encoder
 counts, the chatter they cause through the controller, and noise). An effect's strength is the RMS
-of those ratios over positions and torques.
+of those ratios over positions and torques. Only runs marked for fitting count: what acts on
+validation runs alone may not be used to choose an effect (FORMAT.md), so nobody can name it.
 """
 
 from collections.abc import Sequence
@@ -27,8 +28,11 @@ def floor(tables: Sequence[Array], signals: slice) -> Array:
     return np.asarray(np.sqrt(squares / samples))
 
 
-def strength(with_effect: Sequence[Array], without: Sequence[Array], signals: slice) -> float:
-    """Pooled change over pooled floor, root mean square over positions and torques."""
+def strength(
+    with_effect: Sequence[Array], without: Sequence[Array], runs: Sequence[int], signals: slice
+) -> float:
+    """Pooled change over pooled floor on ``runs``, root mean square over positions and torques."""
+    with_effect, without = [with_effect[i] for i in runs], [without[i] for i in runs]
     gaps = np.concatenate([a[:, signals] - b[:, signals] for a, b in zip(with_effect, without)])
     change = np.sqrt(np.mean(gaps**2, axis=0))
     return float(np.sqrt(np.mean((change / floor(without, signals)) ** 2)))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .effects import Form
-from .fitting import FIRST_STEPS, MOST_STEPS, SCREEN, Predictor, fit
+from .fitting import FIRST_STEPS, SCREEN, Predictor, fit
 from .hypothesis import Fit, Hypothesis, price
 from .machine import Array
 
@@ -23,6 +23,7 @@ FURTHER_SCREEN = 0.08  # a further effect must lower the loss by more; its price
 NEAR_FLOOR = 1.03  # a residual this close to the floor, as a ratio, leaves nothing to explain
 DONE = 1.1  # nor does one this close call for a richer form of another effect
 IDLE = 1e-3  # a parameter whose loss rises by less than this without it goes at once
+PROMISE = 0.25  # of the fall of a sibling's loss, asked of the start of a search for impacts
 CONTENDER = 1.5  # a search goes on while its residual is within this ratio of the best one's
 RESAMPLES = 1000
 TWIN = 0.002  # scores closer than this share of the residual separate nothing: nuisance exceeds it
@@ -111,8 +112,10 @@ def _add_each(
         warm = min(same, key=lambda f: f.score) if same else parent
         child = parent.hypothesis.with_form(form)
         screen = FURTHER_SCREEN if parent.hypothesis.forms else SCREEN
-        steps = MOST_STEPS if form.step > 0.0 else FIRST_STEPS  # impacts: no second chance
-        children.append(fit(predictor, child, warm, screen, steps))
+        if child.rough:  # its start must promise a part of what a sibling reached
+            reached = min((f.rms for f in children if f.hypothesis.rough), default=parent.rms)
+            screen = max(screen, PROMISE * (1.0 - (reached / parent.rms) ** 2))
+        children.append(fit(predictor, child, warm, screen, FIRST_STEPS))
     return _taken_further(predictor, children)
 
 

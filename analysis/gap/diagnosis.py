@@ -362,7 +362,9 @@ def _parameters(fitted: Fit, effect: str) -> dict[str, Any]:
     return {
         name: {
             "value": float(value),
-            "ci95": [float(value - 1.96 * sd), float(value + 1.96 * sd)],
+            "ci95": [float(value - 1.96 * sd), float(value + 1.96 * sd)]
+            if np.isfinite(sd)
+            else None,
             "unit": unit,
         }
         for (owner, name), unit, value, sd in zip(

@@ -7,11 +7,12 @@ frequency content of the log and is white where the model is right (Ljung 1999, 
 
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from itertools import pairwise
+from itertools import pairwise, product
 from os import cpu_count
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares, lsq_linear, minimize
 
 from .hypothesis import Fit, Hypothesis
@@ -23,7 +24,9 @@ SCREEN = 0.004  # a form whose linearised loss falls by less than this share is 
 MOST_STEPS = 20  # of a least-squares search
 FIRST_STEPS = 4  # of a search that is only taken further where it leads somewhere
 ENOUGH = 1e-4  # relative fall of the loss that ends a search; decisions are 40 times coarser
-MOST_ROUGH_STEPS = 120  # predictions of all runs in a search without derivatives
+ROUGH_STEPS = 60, 120  # predictions of all runs in a search without derivatives: effects, then all
+MOST_ROUNDS = 2  # of both searches
+ROUND = 0.02  # relative fall of the loss that is worth another round
 BLOCKS = 30  # blocks of a run whose losses are resampled together
 FOLDS = 4  # held-out pieces when there is one run only
 
@@ -81,6 +84,8 @@ class _Problem:
         self.lower = np.array([p.lower for p in self.parameters]) / self.scale
         self.upper = np.array([p.upper for p in self.parameters]) / self.scale
         self.step = max([STEP, *(form.step for form in hypothesis.forms)])
+        self.rough = hypothesis.rough
+        self.of_effects = np.array([effect != "" for effect, _ in free], dtype=bool)
 
     def runs(self, points: Sequence[Array], runs: Sequence[RunData] | None = None) -> list[Any]:
         """Residuals of the runs at every point."""
@@ -161,6 +166,8 @@ def fit(
     held_out = float(np.sqrt(losses.sum() / samples.sum()))
     spread = predictor.machine.spread(predictor.runs)
     deviation, importance = _information(problem, jac, residual, x)
+    if problem.rough:  # the slopes between impacts say nothing of how far a parameter may be off
+        deviation = np.full(x.size, np.nan)
     return Fit(
         hypothesis=hypothesis,
         keys=problem.keys,
@@ -184,12 +191,12 @@ def _search(
     problem: _Problem, parent: Fit | None, screen: float, steps: int
 ) -> tuple[Array, Array, bool, bool]:
     """Best point, its Jacobian, whether a search led there or only a linear step, and whether it ended."""
+    if problem.rough:
+        return _search_impacts(problem, parent, max(screen, SCREEN))
     best_x, best_jac, best_cost, searched = np.zeros(0), np.zeros((0, 0)), np.inf, False
     bounds = (problem.lower, problem.upper)
     finished = True
     for start in _starts(problem, parent):
-        if parent is not None and _idle_impacts(problem, parent, start):
-            return start, np.zeros((parent.residual.size, start.size)), False, True
         residual, jac = problem.linearised(start, parent)
         step = _linear_step(jac, residual, start, bounds)
         predicted = float(np.sum((residual + jac @ step) ** 2))
@@ -205,18 +212,30 @@ def _search(
             cost = float(np.sum(problem.flat(x) ** 2))
             if cost < best_cost:
                 best_x, best_jac, best_cost = x, at_x, cost
-    if searched and problem.step > STEP:
-        best_x = _polished(problem, best_x)
     return best_x, best_jac, searched, finished
 
 
-def _idle_impacts(problem: _Problem, parent: Fit, start: Array) -> bool:
-    """Whether impacts beside other effects help nothing at the best of their starts."""
-    if not problem.hypothesis.rough or not parent.hypothesis.forms:
-        return False
-    return float(np.sum(problem.flat(start) ** 2)) > (1.0 - SCREEN) * float(
-        np.sum(parent.residual**2)
-    )
+def _search_impacts(
+    problem: _Problem, parent: Fit | None, screen: float
+) -> tuple[Array, Array, bool, bool]:
+    """As ``_search``, for impacts: their residuals are too rough for derivatives.
+
+    The best of all combinations of starting values is improved by simplex searches, of the effects'
+    parameters and then of all. Where it lowers the parent's loss by less than the share ``screen``, no
+    search is made.
+    """
+    x = _starts(problem, parent, together=True)[0]
+    cost = float(np.sum(problem.flat(x) ** 2))
+    if parent is not None and cost > (1.0 - screen) * float(np.sum(parent.residual**2)):
+        return x, np.zeros((parent.residual.size, x.size)), False, True
+    everything = np.ones(x.size, dtype=bool)
+    for _ in range(MOST_ROUNDS):
+        before = cost
+        for free, most in zip((problem.of_effects, everything), ROUGH_STEPS):
+            x, cost = _simplex_search(problem, x, free, most)
+        if cost > (1.0 - ROUND) * before:
+            break
+    return x, problem.jacobian(x), True, True
 
 
 def _least_squares(
@@ -247,25 +266,26 @@ def _least_squares(
     return solution.x, np.asarray(solution.jac) * unit, solution.status > 0
 
 
-def _polished(problem: _Problem, x: Array) -> Array:
-    """Simplex search from ``x`` for residuals too rough for derivatives, such as impacts."""
+def _simplex_search(
+    problem: _Problem, x: Array, free: NDArray[np.bool_], most: int
+) -> tuple[Array, float]:
+    """Point and loss of a Nelder-Mead search from ``x`` over the ``free`` parameters."""
 
-    def loss(point: Array) -> float:
-        return float(np.sum(problem.flat(np.clip(point, problem.lower, problem.upper)) ** 2))
+    def inside(part: Array) -> Array:
+        point = x.copy()
+        point[free] = part
+        return np.clip(point, problem.lower, problem.upper)
 
+    def loss(part: Array) -> float:
+        return float(np.sum(problem.flat(inside(part)) ** 2))
+
+    size = np.where(problem.of_effects, 0.15 * np.maximum(np.abs(x), 0.2), 2e-3)
+    size = np.where(x + size > problem.upper, -size, size)[free]
+    simplex = np.vstack([x[free], x[free] + np.diag(size)])
     solution = minimize(
-        loss,
-        x,
-        method="Nelder-Mead",
-        options={"maxfev": MOST_ROUGH_STEPS, "initial_simplex": _simplex(problem, x)},
+        loss, x[free], method="Nelder-Mead", options={"maxfev": most, "initial_simplex": simplex}
     )
-    return np.asarray(np.clip(solution.x, problem.lower, problem.upper))
-
-
-def _simplex(problem: _Problem, x: Array) -> Array:
-    own = np.array([effect == "" for effect, _ in problem.keys])
-    size = np.where(own, 2e-3, 0.15 * np.maximum(np.abs(x), 0.2))
-    return np.vstack([x, x + np.diag(np.where(x + size > problem.upper, -size, size))])
+    return inside(solution.x), float(solution.fun)
 
 
 def _linear_step(jac: Array, residual: Array, x: Array, bounds: tuple[Array, Array]) -> Array:
@@ -293,19 +313,28 @@ def _flatten(residuals: Sequence[Array]) -> Array:
     return np.concatenate([r.ravel() for r in residuals])
 
 
-def _starts(problem: _Problem, warm: Fit | None) -> list[Array]:
-    """Up to two starting points: the best by cost of the first values with one alternative each."""
+def _starts(problem: _Problem, warm: Fit | None, together: bool = False) -> list[Array]:
+    """Up to two starting points: the best by cost of the first values with one alternative each.
+
+    ``together`` combines every alternative with every other.
+    """
     if not problem.parameters:
         return []
     known = warm.by_key() if warm else {}
-    pairs = list(zip(problem.keys, problem.parameters))
-    base = np.array([known.get(key, p.starts[0]) for key, p in pairs]) / problem.scale
-    candidates = [base]
-    for i, (key, p) in enumerate(pairs):
-        for value in () if key in known else p.starts[1:]:
-            other = base.copy()
-            other[i] = value / p.scale
-            candidates.append(other)
+    choices = [
+        (known[key],) if key in known else p.starts
+        for key, p in zip(problem.keys, problem.parameters)
+    ]
+    if together:
+        candidates = [np.array(values) / problem.scale for values in product(*choices)]
+    else:
+        base = np.array([values[0] for values in choices]) / problem.scale
+        candidates = [base]
+        for i, values in enumerate(choices):
+            for value in values[1:]:
+                other = base.copy()
+                other[i] = value / problem.scale[i]
+                candidates.append(other)
     candidates = [np.clip(c, problem.lower, problem.upper) for c in candidates]
     if len(candidates) == 1:
         return candidates

@@ -95,7 +95,7 @@ class Fit:
     keys: tuple[tuple[str, str], ...]  # (effect id or "", parameter name)
     units: tuple[str, ...]
     values: Array  # in the parameters' units
-    deviation: Array  # standard deviation of each value
+    deviation: Array  # standard deviation of each value; NaN with impacts, which have none
     at_bound: Any  # (p,) bool
     losses: Array  # held-out squared residual per block, sums to the held-out loss
     samples: Array  # residuals per block

@@ -11,6 +11,7 @@ from .machine import Array, Machine, RunData, rms
 
 BLOCKS = 20  # per run
 RESAMPLES = 1000
+SURE = 1.05  # ratio to the floor from which on there is a gap to take a share of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,15 +77,15 @@ def shrinkage(
 def _percent(
     before: tuple[Array, Array], after: tuple[Array, Array], floor: float, seed: int
 ) -> tuple[float | None, tuple[float, float] | None]:
-    """100 (before - after) / (before - floor) and its interval; None where nothing is above the floor."""
+    """100 (before - after) / (before - floor) and its interval; None where no gap surely is there."""
     top = _rms(*before)
-    if top <= 1.05 * floor:
-        return None, None
     rng = np.random.default_rng(seed)
     draws = rng.integers(0, len(before[0]), (RESAMPLES, len(before[0])))
     b = np.sqrt(before[0][draws].sum(axis=1) / before[1][draws].sum(axis=1))
     a = np.sqrt(after[0][draws].sum(axis=1) / after[1][draws].sum(axis=1))
-    sampled = 100.0 * (b - a) / np.maximum(b - floor, 1e-12)
+    if min(top, float(np.quantile(b, 0.025))) <= SURE * floor:
+        return None, None
+    sampled = 100.0 * (b - a) / np.maximum(b - floor, (SURE - 1.0) * floor)
     low, high = np.quantile(sampled, [0.025, 0.975])
     return float(100.0 * (top - _rms(*after)) / (top - floor)), (float(low), float(high))
 

@@ -14,6 +14,9 @@ NEGLIGIBLE = (
 GAP_RATIO = 1.25  # nor is one below this multiple that no effect improves
 OUT_OF_STEP = 1.25  # what does not repeat may exceed the encoder's noise by this ratio
 LEAST_REMOVED = 0.75  # an explanation removes this share of what lies between retuned and floor
+LEAST_REMOVED_ROUGH = (
+    0.5  # as LEAST_REMOVED, of impacts: the least difference in timing leaves much
+)
 NEAR_FLOOR = 1.3  # an explanation comes this near the floor on held-out runs, as a ratio,
 MOST_LEFT = 0.05  # or leaves no more than this share of what lies between retuned and floor
 RIVAL_PROBABILITY = 0.05  # a rival this likely makes the choice ambiguous
@@ -56,12 +59,13 @@ def decide(ranking: Sequence[Ranked], retuned: Ranked, floor: float) -> Verdict:
             removed=removed,
         )
     label = best.fit.hypothesis.label
-    if removed is None or removed < LEAST_REMOVED:
+    least = LEAST_REMOVED_ROUGH if best.fit.hypothesis.rough else LEAST_REMOVED
+    if removed is None or removed < least:
         return Verdict(
             verdict="unexplained",
             reason=f"The best hypothesis, {label}, removes only {100 * (removed or 0):.0f} % of the "
             f"gap between the retuned model ({ratio:.1f} x the floor) and the floor; "
-            f"{100 * LEAST_REMOVED:.0f} % are asked.",
+            f"{100 * least:.0f} % are asked.",
             accepted=None,
             rivals=tuple(ranking[:2]),
             removed=removed,
@@ -138,8 +142,8 @@ def confirmed(verdict: Verdict, held_out: Shrinkage) -> Verdict:
     """The verdict, or ``unexplained`` where the validation runs contradict it.
 
     Validation runs can only take a claim back, never choose one. A floor that is the encoder's
-    resolution for want of repeated motions is no measure, nor is the residual of impacts, which
-    the least difference in timing makes large.
+    resolution for want of repeated motions is no measure. The residual of impacts, which the least
+    difference in timing makes large, need only fall.
     """
     if NO_CYCLES in held_out.floor_source:
         return verdict
@@ -154,7 +158,9 @@ def confirmed(verdict: Verdict, held_out: Shrinkage) -> Verdict:
         rough = verdict.accepted.fit.hypothesis.rough
         left = (after - 1.0) / max(before - 1.0, 1e-12)
         far = after > NEAR_FLOOR and left > MOST_LEFT
-        hidden = verdict.verdict == "explained" and far and not rough
+        if rough:
+            far = before > GAP_RATIO and left >= 1.0
+        hidden = verdict.verdict == "explained" and far
         reason = (
             f"On the validation runs {verdict.accepted.fit.hypothesis.label} still leaves "
             f"{after:.1f} x the floor ({before:.1f} x before; {NEAR_FLOOR} x at most are asked): "

@@ -16,10 +16,11 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
         unit,
         lower=0.0,
         upper=200.0 * unit,
-        starts=(unit, 0.1 * unit, 0.3 * unit, 3.0 * unit, 10.0 * unit),
+        starts=tuple(unit * np.geomspace(0.07, 3.0, 9)),
     )
     share = motor_share_parameter(machine)
     damping = parameter("contact_damping_ratio", "-", 0.5, lower=0.02, upper=3.0, starts=(1.0,))
+    friction = parameter("load_friction", "-", 0.3, lower=0.0, upper=1.0, starts=(0.0, 1.0))
     stiffness = CONTACT * scales.effort_peak / scales.travel
 
     def form(name: str, loose: tuple[str, ...]) -> Form:
@@ -34,12 +35,13 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
                 damping_ratio=values["contact_damping_ratio"],
                 gap=values["gap"] * here,
                 dt=scales.dt,
+                load_friction=values["load_friction"],
             )
 
         return Form(
             effect=EFFECT.id,
             name=name,
-            parameters=(gap, share, damping),
+            parameters=(gap, share, damping, friction),
             apply=apply,
             where=everywhere("joints", loose),
             step=0.02,

@@ -3,15 +3,22 @@
 import numpy as np
 
 from ....models.drive import (
+    BACKWARD,
+    BREAKAWAY,
     COUPLING_DAMPING,
     COUPLING_STIFFNESS,
+    FORWARD,
     FROM_SHAFT,
     GAIN,
     GAP,
     LIMIT,
     RIPPLE_WAVENUMBER,
     STAGES,
+    STIFFNESS,
     TO_SHAFT,
+    VISCOUS,
+    VISCOUS_SKEW,
+    Drive,
 )
 from ..drive_machine import DriveMachine, DrivePlant
 from ..machine import Array, Parameter
@@ -19,6 +26,7 @@ from .base import parameter
 
 FAMILY = "two inertias"
 CONTACT = 3e4  # contact stiffness: the peak effort deflects it by 1/CONTACT of the travel
+FORCES = [VISCOUS, VISCOUS_SKEW, FORWARD, BACKWARD, BREAKAWAY, STIFFNESS]  # scale with the friction
 STEPS_PER_RADIAN = 1.2  # Runge-Kutta steps per radian of the fastest coupling mode
 
 
@@ -36,11 +44,13 @@ def split(
     damping_ratio: float,
     gap: float | Array,
     dt: float,
+    load_friction: float = 0.0,
 ) -> None:
     """Put ``share`` of the smallest inertia on the motors' side of a coupling at every shaft.
 
-    ``gap`` is one clearance for all or one for each.
-    All friction stays with the motors, whose bearings and screw nuts make most of it.
+    ``gap`` is one clearance for all or one for each. Bearings stay with the motors; ``load_friction``
+    is the share [-] of the friction of the other elements, or of all where there are bearings only,
+    that moves to the load.
     """
     n = len(machine.joints)
     total = plant.inertia
@@ -48,7 +58,7 @@ def split(
     load = total - motor * np.eye(n)
     plant.inertia = np.block([[motor * np.eye(n), np.zeros((n, n))], [np.zeros((n, n)), load]])
     d = plant.drive
-    elements = np.hstack([d.elements, np.zeros_like(d.elements)])
+    elements, element = _friction_of_both(d, n, load_friction)
     shaft = np.vstack([d.shaft, np.zeros_like(d.shaft)])
     shaft[n:, RIPPLE_WAVENUMBER] = shaft[n:, GAIN] = 1.0
     shaft[n:, LIMIT] = np.inf
@@ -60,5 +70,18 @@ def split(
     coupling[:, COUPLING_STIFFNESS] = stiffness
     coupling[:, COUPLING_DAMPING] = 2.0 * damping_ratio * stiffness / fastest
     coupling[:, GAP] = gap
-    plant.drive = d._replace(elements=elements, shaft=shaft, coupling=coupling)
+    plant.drive = d._replace(elements=elements, element=element, shaft=shaft, coupling=coupling)
     plant.substeps = max(plant.substeps, int(np.ceil(fastest * dt * STEPS_PER_RADIAN)))
+
+
+def _friction_of_both(drive: Drive, n: int, load_friction: float) -> tuple[Array, Array]:
+    """Friction elements of motors and loads: their speeds (m, 2 n) per shaft speed, and constants."""
+    motors = np.hstack([drive.elements, np.zeros_like(drive.elements)])
+    if load_friction == 0.0:
+        return motors, drive.element
+    moved = slice(n if len(drive.element) > n else 0, None)
+    kept, copies = drive.element.copy(), drive.element[moved].copy()
+    copies[:, FORCES] *= load_friction
+    kept[moved, FORCES] *= 1.0 - load_friction
+    loads = np.hstack([np.zeros_like(drive.elements), drive.elements])[moved]
+    return np.vstack([motors, loads]), np.vstack([kept, copies])

@@ -53,7 +53,7 @@ def interval(ends: Sequence[float], unit: str = "") -> str:
 
 def digits_of(value: float, half_width: float) -> int:
     """Significant digits of a value known to +- ``half_width``."""
-    if half_width <= 0.0 or value == 0.0:
+    if not half_width > 0.0 or value == 0.0:  # not known: NaN
         return 3
     return _digits(abs(value) / half_width)
 

@@ -96,11 +96,13 @@ def test_a_slider_is_logged_in_the_layout_of_the_measured_one(tmp_path):
 def test_a_dry_machine_moves_the_residual_and_a_copy_does_not():
     case = cases.draw(3, index_of(3, "none"))
     tables = drive_logset.simulate(case, case.nominal)
-    assert strength.strength(tables, tables, drive_logset.SIGNALS) == 0.0
+    assert strength.strength(tables, tables, range(6), drive_logset.SIGNALS) == 0.0
     even = (0.3, 0.3)
     dry = case.nominal._replace(coulomb=(even, even, (0.0, 0.0)))
     moved = drive_logset.simulate(case, dry)
-    assert strength.strength(moved, tables, drive_logset.SIGNALS) > 5.0
+    assert strength.strength(moved, tables, range(6), drive_logset.SIGNALS) > 5.0
+    late = [*tables[:4], *moved[4:]]
+    assert strength.strength(late, tables, range(4), drive_logset.SIGNALS) == 0.0
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import pytest
 
 from gapscope.analysis.blind_machine import write_case
 from gapscope.analysis.gap.effects import catalogue
+from gapscope.analysis.gap.effects.two_inertia import split
 from gapscope.analysis.gap.fitting import Predictor, fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
@@ -49,6 +50,22 @@ def test_every_additive_form_is_nothing_at_zero_and_something_away_from_it(case)
         assert np.max(np.abs(residual(case, form, active) - plain)) > 1e-7, form.name
         checked += 1
     assert checked > 10
+
+
+def test_friction_shared_between_motor_and_load_adds_up(case):
+    """A stiff coupling without clearance feels no difference: the whole friction stays the same."""
+    machine, predictor, _ = case
+    residuals = []
+    for share in (0.0, 0.4, 1.0):
+        plant = machine.build(machine.nominal())
+        split(
+            plant, machine, share=0.7, stiffness=2000.0, damping_ratio=1.0, gap=0.0, dt=1e-3,
+            load_friction=share,
+        )  # fmt: skip
+        residuals.append(machine.predict(predictor.runs[0], plant.finished()))
+    size = np.sqrt(np.mean(residuals[0] ** 2))
+    for other in residuals[1:]:
+        assert 0.0 < np.sqrt(np.mean((other - residuals[0]) ** 2)) < 0.05 * size
 
 
 def test_every_form_names_existing_places(case):
