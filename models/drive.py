@@ -41,12 +41,13 @@ from . import control, friction
     RIPPLE_COS,  # [N m or N]
     RIPPLE_SIN,  # [N m or N]
     RIPPLE_WAVENUMBER,  # k [1/rad or 1/m]
+    LOAD_WIDTH,  # smoothing of the sign in load-dependent friction [rad/s or m/s]
     DELAY,  # of the command [s]
     GAIN,  # torque delivered per torque commanded [-]
     LIMIT,  # largest torque magnitude [N m or N]
     LAG,  # time constant of the torque loop [s]
     STAGES,  # equal first-order stages that share the lag, 1 or 2
-) = range(10)
+) = range(11)
 
 # Columns of ``Drive.coupling``, a flexible connection from one shaft to another.
 (
@@ -64,7 +65,7 @@ class Drive(NamedTuple):
     inertia_inverse: Any  # (n, n) inverse of M [1/(kg m^2) or 1/kg]
     elements: Any  # (m, n) E, speed of each friction element per shaft speed [-]
     element: Any  # (m, 9) constants of the friction elements, columns above
-    shaft: Any  # (n, 10) constants of the shafts, columns above
+    shaft: Any  # (n, 11) constants of the shafts, columns above
     coupling: Any  # (c, 5) flexible couplings between two shafts, columns above
 
     def copy(self) -> "Drive":
@@ -79,11 +80,12 @@ def ideal_drive(inertia: Any, elements: Any, viscous: Any, width: float) -> Driv
     element[:, VISCOUS] = viscous
     element[:, STRIBECK_SPEED] = 10.0 * width
     element[:, WIDTH] = width
-    shaft = np.zeros((n, 10))
+    shaft = np.zeros((n, 11))
     shaft[:, RIPPLE_WAVENUMBER] = 1.0
     shaft[:, GAIN] = 1.0
     shaft[:, LIMIT] = np.inf
     shaft[:, STAGES] = 1.0
+    shaft[:, LOAD_WIDTH] = width
     return Drive(
         np.linalg.inv(inertia),
         np.array(elements, dtype=float),
@@ -133,7 +135,7 @@ def net_torque(q: Any, v: Any, held: Any, torque: Any, t: Any, drive: Drive, out
             drive.shaft[j, RIPPLE_WAVENUMBER],
         )
         if drive.shaft[j, LOAD_FRICTION] != 0.0:
-            step = friction.smooth_sign(v[j], drive.element[j, WIDTH])
+            step = friction.smooth_sign(v[j], drive.shaft[j, LOAD_WIDTH])
             out[j] -= drive.shaft[j, LOAD_FRICTION] * np.abs(torque[j]) * step
     for i in range(m):
         speed = drive.elements[i, 0] * v[0]

@@ -64,6 +64,41 @@ def cross(a: Any, b: Any) -> Any:
     )
 
 
+def times(A: Any, x: Any) -> Any:
+    """Product of a matrix (3, 3) and a vector (3,) as a tuple."""
+    return (
+        A[0, 0] * x[0] + A[0, 1] * x[1] + A[0, 2] * x[2],
+        A[1, 0] * x[0] + A[1, 1] * x[1] + A[1, 2] * x[2],
+        A[2, 0] * x[0] + A[2, 1] * x[1] + A[2, 2] * x[2],
+    )
+
+
+def transposed_times(A: Any, x: Any) -> Any:
+    """Product of the transpose of a matrix (3, 3) and a vector (3,) as a tuple."""
+    return (
+        A[0, 0] * x[0] + A[1, 0] * x[1] + A[2, 0] * x[2],
+        A[0, 1] * x[0] + A[1, 1] * x[1] + A[2, 1] * x[2],
+        A[0, 2] * x[0] + A[1, 2] * x[1] + A[2, 2] * x[2],
+    )
+
+
+def product(A: Any, B: Any, out: Any) -> None:
+    """Product of two matrices (3, 3), written to ``out``, which is neither of them."""
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
+
+
+def unit_inertia_times(i: int, j: int, w: Any) -> Any:
+    """I w as a tuple, where I has nothing but I_ij = I_ji = 1."""
+    first, second = w[j], w[i] if i != j else 0.0
+    return (
+        (first if i == 0 else 0.0) + (second if j == 0 else 0.0),
+        (first if i == 1 else 0.0) + (second if j == 1 else 0.0),
+        (first if i == 2 else 0.0) + (second if j == 2 else 0.0),
+    )
+
+
 def wrenches(w: Any, dw: Any, a: Any, force: Any, moment: Any) -> None:
     """Force and moment about the origin per inertial parameter, (10, 3) each, in the body's frame.
 
@@ -84,14 +119,8 @@ def wrenches(w: Any, dw: Any, a: Any, force: Any, moment: Any) -> None:
     number = 4
     for i in range(3):
         for j in range(i, 3):
-            h = np.zeros(3)  # I w and I dw of a unit I_ij = I_ji
-            dh = np.zeros(3)
-            h[i] += w[j]
-            dh[i] += dw[j]
-            if i != j:
-                h[j] += w[i]
-                dh[j] += dw[i]
-            gyro = cross(w, h)
+            dh = unit_inertia_times(i, j, dw)
+            gyro = cross(w, unit_inertia_times(i, j, w))
             for k in range(3):
                 moment[number, k] = dh[k] + gyro[k]
             number += 1

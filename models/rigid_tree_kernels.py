@@ -18,57 +18,80 @@ def regressor(tree: Any, q: Any, v: Any, a: Any, gravity: Any, out: Any) -> None
     R, p = np.zeros((bodies, 3, 3)), np.zeros((bodies, 3))
     w, dw, acc = np.zeros((bodies, 3)), np.zeros((bodies, 3)), np.zeros((bodies, 3))
     axis_W, anchor = np.zeros((bodies, 3)), np.zeros((bodies, 3))
-    turn = np.zeros((3, 3))
+    turn, R_F, R_M, world = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3)), np.eye(3)
     force, moment = np.zeros((10, 3)), np.zeros((10, 3))
+    still, fall = np.zeros(3), -gravity
     out[:] = 0.0
     for i in range(bodies):
         up = tree.parent[i]
-        R_P, p_P = np.eye(3), np.zeros(3)
-        w_P, dw_P, a_P = np.zeros(3), np.zeros(3), -gravity
-        if up >= 0:
-            R_P, p_P, w_P, dw_P, a_P = R[up], p[up], w[up], dw[up], acc[up]
-        R_F = R_P @ tree.R_PF[i]
-        p_F = p_P + R_P @ tree.p_PF[i]
-        axis = R_F @ tree.axis[i]
+        R_P, p_P = (R[up], p[up]) if up >= 0 else (world, still)
+        w_P, dw_P, a_P = (w[up], dw[up], acc[up]) if up >= 0 else (still, still, fall)
+        rigid_tree.product(R_P, tree.R_PF[i], R_F)
+        on_parent = rigid_tree.times(R_P, tree.p_PF[i])
+        axis = rigid_tree.times(R_F, tree.axis[i])
         k = tree.column[i]
         kind = tree.joint[i]
         rigid_tree.rotation(tree.axis[i], q[k] if kind == REVOLUTE else 0.0, turn)
-        R_M = R_F @ turn
-        p_M = p_F + axis * (q[k] if kind == PRISMATIC else 0.0)
-        R[i] = R_M @ tree.R_MB[i]
-        p[i] = p_M + R_M @ tree.p_MB[i]
-        axis_W[i], anchor[i] = axis, p_F
-        w[i], dw[i] = w_P, dw_P
-        if kind == REVOLUTE:
-            w[i] += axis * v[k]
-            dw[i] += axis * a[k] + np.array(rigid_tree.cross(w_P, axis)) * v[k]
-        _accelerate(a_P, w_P, dw_P, p_M - p_P, acc[i])
+        rigid_tree.product(R_F, turn, R_M)
+        rigid_tree.product(R_M, tree.R_MB[i], R[i])
+        on_joint = rigid_tree.times(R_M, tree.p_MB[i])
+        across = rigid_tree.cross(w_P, axis)
+        turns = 1.0 if kind == REVOLUTE else 0.0
+        slides = 1.0 if kind == PRISMATIC else 0.0
+        to_joint = (0.0, 0.0, 0.0)
         if kind == PRISMATIC:
-            acc[i] += axis * a[k] + 2.0 * np.array(rigid_tree.cross(w_P, axis)) * v[k]
-        shifted = np.zeros(3)
-        _accelerate(acc[i], w[i], dw[i], p[i] - p_M, shifted)
-        acc[i] = shifted
-        R_BW = R[i].T
-        rigid_tree.wrenches(R_BW @ w[i], R_BW @ dw[i], R_BW @ acc[i], force, moment)
+            to_joint = (axis[0] * q[k], axis[1] * q[k], axis[2] * q[k])
+        rate, gain = (v[k], a[k]) if kind != FIXED else (0.0, 0.0)
+        for j in range(3):
+            anchor[i, j] = p_P[j] + on_parent[j]
+            axis_W[i, j] = axis[j]
+            p[i, j] = anchor[i, j] + to_joint[j] + on_joint[j]
+            w[i, j] = w_P[j] + turns * axis[j] * rate
+            dw[i, j] = dw_P[j] + turns * (axis[j] * gain + across[j] * rate)
+        lever = (
+            on_parent[0] + to_joint[0], on_parent[1] + to_joint[1], on_parent[2] + to_joint[2]
+        )  # fmt: skip
+        to_parent = _accelerated(a_P, w_P, dw_P, lever)
+        base = (
+            to_parent[0] + slides * (axis[0] * gain + 2.0 * across[0] * rate),
+            to_parent[1] + slides * (axis[1] * gain + 2.0 * across[1] * rate),
+            to_parent[2] + slides * (axis[2] * gain + 2.0 * across[2] * rate),
+        )
+        there = _accelerated(base, w[i], dw[i], on_joint)
+        for j in range(3):
+            acc[i, j] = there[j]
+        rigid_tree.wrenches(
+            rigid_tree.transposed_times(R[i], w[i]),
+            rigid_tree.transposed_times(R[i], dw[i]),
+            rigid_tree.transposed_times(R[i], acc[i]),
+            force,
+            moment,
+        )
         for c in range(10):
-            f, m = R[i] @ force[c], R[i] @ moment[c]
+            f, m = rigid_tree.times(R[i], force[c]), rigid_tree.times(R[i], moment[c])
             j = i
             while j >= 0:
                 if tree.joint[j] == PRISMATIC:
-                    out[tree.column[j], 10 * i + c] = axis_W[j] @ f
+                    out[tree.column[j], 10 * i + c] = _dot(axis_W[j], f)
                 elif tree.joint[j] != FIXED:
-                    total = m + np.array(rigid_tree.cross(p[i] - anchor[j], f))
-                    out[tree.column[j], 10 * i + c] = axis_W[j] @ total
+                    arm = (p[i, 0] - anchor[j, 0], p[i, 1] - anchor[j, 1], p[i, 2] - anchor[j, 2])
+                    twist = rigid_tree.cross(arm, f)
+                    out[tree.column[j], 10 * i + c] = _dot(axis_W[j], m) + _dot(axis_W[j], twist)
                 j = tree.parent[j]
 
 
 @compilation.kernel
-def _accelerate(a: Any, w: Any, dw: Any, r: Any, out: Any) -> None:
-    """Acceleration of a point at ``r`` of a body whose origin accelerates by ``a``, to ``out``."""
+def _dot(a: Any, b: Any) -> float:
+    """Scalar product of two vectors (3,)."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compilation.kernel
+def _accelerated(a: Any, w: Any, dw: Any, r: Any) -> Any:
+    """Acceleration of a point at ``r`` of a body whose origin accelerates by ``a``, as a tuple."""
     spin = rigid_tree.cross(dw, r)
     turn = rigid_tree.cross(w, rigid_tree.cross(w, r))
-    for k in range(3):
-        out[k] = a[k] + spin[k] + turn[k]
+    return (a[0] + spin[0] + turn[0], a[1] + spin[1] + turn[1], a[2] + spin[2] + turn[2])
 
 
 @compilation.kernel

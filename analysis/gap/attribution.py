@@ -6,15 +6,13 @@ hypothesis wins when the blocks of the held-out losses are resampled is its prob
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .effects import Form
 from .fitting import FIRST_STEPS, SCREEN, Predictor, fit
-from .hypothesis import Fit, Hypothesis, price
-from .machine import Array
+from .hypothesis import Fit, Hypothesis
+from .ranking import Ranked, best_by_ids, rank
 
 MOST_EFFECTS = 3
 BEAM = 2  # single effects that a second one is added to
@@ -25,20 +23,9 @@ DONE = 1.1  # nor does one this close call for a richer form of another effect
 IDLE = 1e-3  # a parameter whose loss rises by less than this without it goes at once
 PROMISE = 0.25  # of the fall of a sibling's loss, asked of the start of a search for impacts
 CONTENDER = 1.5  # a search goes on while its residual is within this ratio of the best one's
-RESAMPLES = 1000
-TWIN = 0.002  # scores closer than this share of the residual separate nothing: nuisance exceeds it
+REFINED_REACH = 0.1  # of the score above the best one's, up to which a richer form is tried
 
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Ranked:
-    """A hypothesis in the ranking."""
-
-    fit: Fit
-    probability: float
-    gain: float  # fall of the log held-out residual against the retuned nominal
-    gain_interval: tuple[float, float]  # 95 %, block bootstrap
 
 
 def attribute(
@@ -53,7 +40,7 @@ def attribute(
     plain = [form for form in forms if not form.refined]
     refined = [form for form in forms if form.refined]
     singles = _add_each(predictor, retuned, plain, progress)
-    singles = [_pruned(predictor, f) for f in _best_by_ids(singles)]
+    singles = [_pruned(predictor, f) for f in best_by_ids(singles)]
     fits = [retuned, *singles]
     parents = _beam([f for f in sorted(singles, key=lambda f: f.score) if _better(f, retuned)])
     best = parents[0] if parents else retuned
@@ -77,11 +64,12 @@ def attribute(
             f for f in smaller if f is not best and frozenset(f.hypothesis.ids) not in before
         ]
     for form in refined:
-        if form.effect not in best.hypothesis.ids and best.held_out_rms < DONE * floor:
+        base = _to_refine(fits, best, form)
+        if base is None and best.held_out_rms < DONE * floor:
             continue
         progress(f"{form.effect}, {form.name}")
-        fits.append(_pruned(predictor, _refine(predictor, best, retuned, form)))
-    return rank([f for f in fits if f.converged], retuned, seed)
+        fits.append(_pruned(predictor, _refine(predictor, base, retuned, form)))
+    return rank([f for f in fits if f.converged and not _holds_nothing(f)], retuned, seed)
 
 
 def _beam(singles: Sequence[Fit]) -> list[Fit]:
@@ -156,7 +144,7 @@ def _grown(
             progress,
         )
     ]
-    return sorted(_best_by_ids(children), key=lambda f: f.score)
+    return sorted(best_by_ids(children), key=lambda f: f.score)
 
 
 def _without_each(predictor: Predictor, full: Fit) -> list[Fit]:
@@ -169,14 +157,41 @@ def _without_each(predictor: Predictor, full: Fit) -> list[Fit]:
     ]
 
 
-def _refine(predictor: Predictor, best: Fit, retuned: Fit, form: Form) -> Fit:
-    """The best hypothesis with its form of this effect made richer, or the richer form alone."""
-    if form.effect in best.hypothesis.ids:
-        others = best.hypothesis
-        for effect in (form.effect, *form.stands_for):
-            others = others.without(effect)
-        return fit(predictor, others.with_form(form), best)
-    return fit(predictor, Hypothesis(forms=(form,)), retuned)
+def _to_refine(fits: Sequence[Fit], best: Fit, form: Form) -> Fit | None:
+    """The best hypothesis with this form's effect, if it is the best one or little worse."""
+    ours = [f for f in fits if f.converged and form.effect in f.hypothesis.ids]
+    base = min(ours, key=lambda f: f.score, default=None)
+    return base if base is not None and base.score < best.score + REFINED_REACH else None
+
+
+def _refine(predictor: Predictor, base: Fit | None, retuned: Fit, form: Form) -> Fit:
+    """A hypothesis with its form of this effect made richer, or the richer form alone."""
+    if base is None:
+        return fit(predictor, Hypothesis(forms=(form,)), retuned)
+    others = base.hypothesis
+    for effect in (form.effect, *form.stands_for):
+        others = others.without(effect)
+    return fit(predictor, others.with_form(form), base)
+
+
+def _holds_nothing(found: Fit) -> bool:
+    """Whether one of its effects has no size beyond its own uncertainty, only a shape."""
+    sizes = {
+        key: abs(value) > 2.0 * sd
+        for key, value, sd in zip(found.keys, found.values, found.deviation)
+    }
+    return any(
+        sized and not any(sized)
+        for form in found.hypothesis.forms
+        if form.step == 0.0
+        for sized in [
+            [
+                sizes[form.effect, p.name]
+                for p in found.hypothesis.kept(form)
+                if p.starts[0] == 0.0 and p.name not in form.shapes
+            ]
+        ]
+    )
 
 
 def _pruned(predictor: Predictor, full: Fit) -> Fit:
@@ -208,75 +223,3 @@ def _pruned(predictor: Predictor, full: Fit) -> Fit:
 def _may_go(key: tuple[str, str], candidates: Sequence[tuple[float, tuple[str, str]]]) -> bool:
     """Whether its effect would keep another removable parameter."""
     return any(other[0] == key[0] and other != key for _, other in candidates)
-
-
-def _best_by_ids(fits: Sequence[Fit]) -> list[Fit]:
-    """The best form of every set of effects."""
-    best: dict[frozenset[str], Fit] = {}
-    for candidate in fits:
-        ids = frozenset(candidate.hypothesis.ids)
-        if ids not in best or candidate.score < best[ids].score:
-            best[ids] = candidate
-    return list(best.values())
-
-
-def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
-    """Best first, with bootstrap probabilities and gains over the retuned nominal."""
-    chosen = _best_by_ids(fits)
-    losses = _shared_losses(chosen)
-    prices = np.array([price(f.hypothesis) for f in chosen])
-    samples = retuned.samples
-    rng = np.random.default_rng(seed)
-    draws = rng.integers(0, samples.size, (RESAMPLES, samples.size))
-    logs = _log_rms(losses, samples, draws)
-    wins = _shared_wins(logs + prices[:, None])
-    reference = _log_rms(retuned.losses[None], samples, draws)[0]
-    ranked = []
-    for i, candidate in enumerate(chosen):
-        low, high = np.quantile(reference - logs[i], [0.025, 0.975])
-        ranked.append(
-            Ranked(
-                fit=candidate,
-                probability=float((wins[i] + 1.0 / len(chosen)) / (RESAMPLES + 1.0)),
-                gain=float(
-                    np.log(retuned.held_out_rms) - 0.5 * np.log(losses[i].sum() / samples.sum())
-                ),
-                gain_interval=(float(low), float(high)),
-            )
-        )
-    scores = 0.5 * np.log(losses.sum(axis=1) / samples.sum()) + prices
-    order = np.argsort(scores, kind="stable")
-    return [ranked[i] for i in order]
-
-
-def _shared_losses(fits: Sequence[Fit]) -> Array:
-    """Held-out losses (hypotheses, blocks); hypotheses with the same predictions have the same.
-
-    Which of them predicts held-out runs better is chance: they left other directions free.
-    """
-    losses = np.array([f.losses for f in fits])
-    shared = losses.copy()
-    for i, f in enumerate(fits):
-        for j, other in enumerate(fits):
-            if losses[j].sum() < shared[i].sum() and _same_predictions(f, other):
-                shared[i] = losses[j]
-    return shared
-
-
-def _same_predictions(a: Fit, b: Fit) -> bool:
-    """Whether what the residuals differ by changes the log residual by less than ``TWIN``."""
-    if a.residual.size == 0 or a.residual.size != b.residual.size:
-        return False
-    return float(np.mean((a.residual - b.residual) ** 2)) < 2.0 * TWIN * b.rms**2
-
-
-def _shared_wins(scores: Array) -> Array:
-    """Draws won by each hypothesis of ``scores`` (hypotheses, draws); twins share theirs."""
-    close = scores <= scores.min(axis=0) + TWIN
-    return np.asarray((close / close.sum(axis=0)).sum(axis=1))
-
-
-def _log_rms(losses: Array, samples: Array, draws: NDArray[np.int64]) -> Array:
-    """Log rms (hypotheses, draws) of resampled blocks."""
-    count = samples[draws].sum(axis=1)
-    return np.array([0.5 * np.log(row[draws].sum(axis=1) / count) for row in losses])

@@ -29,12 +29,11 @@ def closed_loop(
             position, command = loop
             command_error.append((command - run.command)[run.window])
             position_error.append((position - run.position)[run.window])
-        if not all(np.all(np.isfinite(e)) for e in command_error):
-            result[name] = None
-            continue
         size = rms([run.command[run.window] for run in runs])
-        result[name] = {
-            "relative_command_error": rms(command_error) / size,
-            f"position_error_{machine.position_unit}": rms(position_error),
-        }
+        with np.errstate(over="ignore"):  # what overflows has diverged
+            errors = {
+                "relative_command_error": rms(command_error) / size,
+                f"position_error_{machine.position_unit}": rms(position_error),
+            }
+        result[name] = errors if np.all(np.isfinite(list(errors.values()))) else None
     return result

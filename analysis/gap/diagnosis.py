@@ -17,7 +17,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ..files import output_folder, write_whole
-from .attribution import Ranked, attribute
+from .attribution import attribute
 from .clock import ReplayCheck
 from .closed_loop import closed_loop
 from .confusion import Confusion, confusion
@@ -29,9 +29,10 @@ from .logset import LogSet, load_logset
 from .machine import Array, Machine, RunData, rms
 from .machines import read_machine, stated_encoder_step
 from .order import Share, order_shares
+from .ranking import Ranked
 from .shrinkage import Shrinkage, shrinkage
 from .signals import SignalFinding
-from .verdict import Verdict, confirmed, decide, in_step, with_findings
+from .verdict import Verdict, confirmed, decide, doubted, in_step, with_findings
 
 HELD_BACK = 0.3  # share of a lone run's end that is kept for validation
 SIGNAL_PROBABILITY = 0.99  # of a signal finding, which passes its own strict test or is not made
@@ -190,7 +191,8 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     tell("verifying on held-out runs")
     as_logged = [run for run in logged if run.use == "validate"]
     shrunk = shrinkage(machine, as_logged, held_back, retuned, chosen, seed)
-    verdict = confirmed(verdict, shrunk)
+    errors = _validation_errors(machine, held_back, ranking)
+    verdict = confirmed(doubted(verdict, ranking, errors), shrunk)
     if verdict.accepted is None and chosen is not retuned:
         chosen = retuned
         shrunk = shrinkage(machine, as_logged, held_back, retuned, chosen, seed)
@@ -221,7 +223,7 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
         retuned=retuned,
         chosen=chosen,
         ranking=tuple(ranking),
-        validation=_validation_errors(machine, held_back, ranking),
+        validation=errors,
         verdict=verdict,
         location=machine.locate(fit_runs, residuals, seed),
         confusion=confused,

@@ -23,6 +23,11 @@ class Hypothesis:
         return tuple(form.effect for form in self.forms)
 
     @property
+    def contained(self) -> frozenset[str]:
+        """Effect ids, with those that its forms contain: Stribeck friction contains dry friction."""
+        return frozenset(self.ids).union(*(form.contains for form in self.forms))
+
+    @property
     def label(self) -> str:
         """Words for a table."""
         if not self.forms:

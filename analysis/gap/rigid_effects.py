@@ -40,8 +40,8 @@ def sizes(machine: RigidMachine, runs: Sequence[RunData]) -> Sizes:
     for run in runs:
         assert isinstance(run, RigidRun)
         acceleration = np.gradient(run.rate, run.dt, axis=0)
-        effort = np.einsum("skij,k,sj->si", run.mass, phi, acceleration)
-        efforts.append((effort + np.einsum("ski,k->si", run.bias, phi))[run.window])
+        effort = np.einsum("skij,k,sj->si", run.equation.mass, phi, acceleration)
+        efforts.append((effort + np.einsum("ski,k->si", run.equation.bias, phi))[run.window])
         rates.append(run.rate[run.window])
         positions.append(run.smooth[run.window])
         commands.append(run.command[run.window])

@@ -13,6 +13,7 @@ groups of inertial parameters and computed once per run; a prediction only sums,
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from threading import Lock
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 Columns = Callable[[Array, Array], tuple[Array, Array, Array]]
 SMOOTHING = 4.0  # cutoff of the smoothed state in observer bandwidths
 BLOCK = 0.22  # of the time constant of the observer
+SLOPE_STEP = 1e-4  # rad or m, and per second
 EDGE = 3.0  # samples at the ends that do not count, in periods of the smoothing
 
 
@@ -49,6 +51,45 @@ class RigidPlant:
         return self
 
 
+class StateColumns:
+    """Columns of the equation of motion at measured states (S, n), and to first order around them."""
+
+    def __init__(self, columns: Columns, q: Array, v: Array) -> None:
+        self._columns, self._q, self._v = columns, q, v
+        self.mass, self.bias, self.load = columns(q, v)
+        self._lock = Lock()
+        self._by_position: list[tuple[Array, Array, Array]] = []
+        self._by_rate: list[Array] = []
+
+    def near(self, dq: Array, dv: Array) -> tuple[Array, Array, Array]:
+        """Mass matrices, bias efforts and gravity loads at q + ``dq``, v + ``dv``, (S, n) each."""
+        mass, bias, load = self.mass.copy(), self.bias.copy(), self.load.copy()
+        with self._lock:
+            if not self._by_position:
+                self._by_position = [self._slopes(dq_i, 0.0 * dq_i) for dq_i in self._steps()]
+            if np.any(dv != 0.0) and not self._by_rate:
+                self._by_rate = [self._slopes(0.0 * dv_i, dv_i)[1] for dv_i in self._steps()]
+        for i, (m, b, g) in enumerate(self._by_position):
+            mass += dq[:, i, None, None, None] * m
+            bias += dq[:, i, None, None] * b
+            load += dq[:, i, None, None] * g
+        if np.any(dv != 0.0):
+            for i, b in enumerate(self._by_rate):
+                bias += dv[:, i, None, None] * b
+        return mass, bias, load
+
+    def _steps(self) -> list[Array]:
+        return [np.broadcast_to(SLOPE_STEP * e, self._q.shape) for e in np.eye(self._q.shape[1])]
+
+    def _slopes(self, dq: Array, dv: Array) -> tuple[Array, Array, Array]:
+        mass, bias, load = self._columns(self._q + dq, self._v + dv)
+        return (
+            (mass - self.mass) / SLOPE_STEP,
+            (bias - self.bias) / SLOPE_STEP,
+            (load - self.load) / SLOPE_STEP,
+        )
+
+
 @dataclass(frozen=True, kw_only=True)
 class RigidRun(RunData):
     """A run in blocks of samples with all that does not depend on free parameters; arrays (blocks, n).
@@ -61,9 +102,7 @@ class RigidRun(RunData):
     smooth: Array  # zero-phase smoothed positions
     rate: Array  # and their rates
     output: Array  # second differences of the positions
-    mass: Array  # (blocks, K, n, n)
-    bias: Array  # (blocks, K, n)
-    load: Array  # (blocks, K, n) gravity
+    equation: StateColumns  # masses (blocks, K, n, n), bias and load (blocks, K, n)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +113,6 @@ class RigidMachine(Machine):
     command_unit: str
     damping: Mapping[str, str]  # own parameter that is the viscous friction of a joint
     bandwidth: float  # of the prediction's correction [rad/s]
-    columns: Columns  # M, h and gravity load per group, at states (samples, n)
     plant: Callable[[Mapping[str, float]], RigidPlant]
     effects: "Callable[[RigidMachine, Sequence[RunData]], list[Form]]"
     loop: Callable[[RunData, RigidPlant], tuple[Array, Array] | None] = field(
@@ -90,11 +128,12 @@ class RigidMachine(Machine):
         """Prediction error (samples, n) of the encoders over the run's window [position unit]."""
         assert isinstance(run, RigidRun)
         smooth, rate, output = run.smooth, run.rate, run.output
-        mass, bias, load = run.mass, run.bias, run.load
+        equation = run.equation
+        mass, bias, load = equation.mass, equation.bias, equation.load
         if np.any(plant.offset != 0.0) or np.any(plant.scale != 1.0):
             smooth, rate = (smooth - plant.offset) / plant.scale, rate / plant.scale
             output = output / plant.scale
-            mass, bias, load = self.columns(smooth, rate)
+            mass, bias, load = equation.near(smooth - run.smooth, rate - run.rate)
         effort = np.empty_like(run.raw.command)
         rigid_tree_kernels.delivered(run.raw.command, plant.joints.actuator, run.raw.dt, effort)
         effort = block_means(effort, run.block)
@@ -113,7 +152,9 @@ class RigidMachine(Machine):
         """Effort (k, n) that would cause a prediction error (k, n), at the run's mean posture."""
         assert isinstance(run, RigidRun)
         _, beta = drive_kernels.correction_gains(self.bandwidth, run.dt)
-        mass = np.einsum("skij,k->ij", run.mass, self.build(self.nominal()).phi) / len(run.mass)
+        mass = np.einsum("skij,k->ij", run.equation.mass, self.build(self.nominal()).phi) / len(
+            run.t
+        )
         return np.asarray(residual @ mass * (beta / run.dt))
 
     def floor(self, runs: Sequence[RunData], residuals: Sequence[Array]) -> tuple[list[Array], str]:
@@ -153,7 +194,6 @@ def prepared(run: RunData, columns: Columns, bandwidth: float) -> RigidRun:
     rate = np.gradient(smooth, run.dt, axis=0)
     block = _block(bandwidth * run.dt, run.period)
     smooth, rate = block_means(smooth, block), block_means(rate, block)
-    mass, bias, load = columns(smooth, rate)
     signals = ("t", "reference", "reference_rate", "reference_acceleration", "position", "command")
     means = {name: block_means(getattr(run, name), block) for name in signals}
     position, dt = means["position"], block * run.dt
@@ -173,9 +213,7 @@ def prepared(run: RunData, columns: Columns, bandwidth: float) -> RigidRun:
         smooth=smooth,
         rate=rate,
         output=np.ascontiguousarray(np.diff(padded, 2, axis=0) / dt**2),
-        mass=mass,
-        bias=bias,
-        load=load,
+        equation=StateColumns(columns, smooth, rate),
     )
 
 

@@ -24,6 +24,7 @@ FAITHFUL = 0.01  # replay difference, relative to the rms command, that needs no
 LEAST_GAIN = 0.5  # fall of the log rms replay difference worth a finding
 LARGEST_LEFT = 0.5  # of the replay difference that may stay after a finding, as a share
 HOME_COUNTS = 3.0  # encoder steps that the first reading may be away from the reference
+HOME_NOISE = 5.0  # standard deviations of the reading's noise that it may be away
 STAYS = 0.5  # share of the first reading's distance that is still there on average: a sag
 COARSER = 1.5  # ratio of the encoder step found to the stated one
 EDGE = 60  # samples at the ends that do not count: filters settle, shifts lack data
@@ -217,7 +218,9 @@ def _home_offset(machine: Machine, runs: Sequence[RunData]) -> list[SignalFindin
     first = np.array([run.position[0] - run.reference[0] for run in runs])
     mean, spread = first.mean(axis=0), np.ptp(first, axis=0)
     lsb = max(run.lsb for run in runs)
-    limit = np.maximum(HOME_COUNTS * lsb, 5.0 * spread)
+    # Third differences leave little of a motion, and sqrt(20) times white noise.
+    noise = np.sqrt(np.mean([np.var(np.diff(r.position, 3, axis=0), axis=0) for r in runs]) / 20.0)
+    limit = np.maximum(max(HOME_COUNTS * lsb, HOME_NOISE * noise), 5.0 * spread)
     away = np.abs(mean) > np.maximum(limit, 1e-12)
     # A machine that sags under a load stays away from its reference; one whose readings are off is
     # driven to it.

@@ -1,10 +1,11 @@
 """The verdict: what may be claimed from a ranking, and when to say nothing."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from .attribution import LEAST_GAIN, Ranked
+from .attribution import LEAST_GAIN
 from .floor import NO_CYCLES
+from .ranking import Ranked
 from .shrinkage import Shrinkage
 from .signals import SignalFinding
 
@@ -19,6 +20,7 @@ LEAST_REMOVED_ROUGH = (
 )
 NEAR_FLOOR = 1.3  # an explanation comes this near the floor on held-out runs, as a ratio,
 MOST_LEFT = 0.05  # or leaves no more than this share of what lies between retuned and floor
+LEAST_WORSE = 1.1  # ratio of validation errors at which an effect that worsens them is doubted
 RIVAL_PROBABILITY = 0.05  # a rival this likely makes the choice ambiguous
 
 
@@ -93,19 +95,20 @@ def decide(ranking: Sequence[Ranked], retuned: Ranked, floor: float) -> Verdict:
 def _smallest_likely(ranking: Sequence[Ranked]) -> Ranked:
     """The best hypothesis, or a smaller one inside it that is likely as well: parsimony."""
     best = ranking[0]
-    ids = set(best.fit.hypothesis.ids)
     smaller = [
         r
         for r in ranking[1:]
-        if set(r.fit.hypothesis.ids) < ids and r.probability > RIVAL_PROBABILITY
+        if set(r.fit.hypothesis.ids) < best.fit.hypothesis.contained
+        and r.probability > RIVAL_PROBABILITY
     ]
     return min(smaller, key=lambda r: len(r.fit.hypothesis.ids)) if smaller else best
 
 
 def _is_rival(other: Ranked, best: Ranked) -> bool:
     """Likely, and neither a part nor an extension of the best."""
-    mine, its = set(best.fit.hypothesis.ids), set(other.fit.hypothesis.ids)
-    return other.probability > RIVAL_PROBABILITY and not (mine <= its or its <= mine)
+    mine, its = best.fit.hypothesis, other.fit.hypothesis
+    nested = set(mine.ids) <= its.contained or set(its.ids) <= mine.contained
+    return other.probability > RIVAL_PROBABILITY and not nested
 
 
 def with_findings(verdict: Verdict, findings: Sequence[SignalFinding]) -> Verdict:
@@ -135,6 +138,35 @@ def in_step(verdict: Verdict, out_of_step: float | None) -> Verdict:
         f"a disturbance out of step with the motion, which no effect of the catalogue makes. "
         f"{verdict.reason}",
         accepted=None,
+    )
+
+
+def doubted(
+    verdict: Verdict, ranking: Sequence[Ranked], errors: Mapping[frozenset[str], float]
+) -> Verdict:
+    """The verdict, or ``ambiguous`` where the validation runs are predicted better without an effect.
+
+    ``errors`` are validation errors by the ids of a hypothesis. They choose nothing, they take back.
+    """
+    if verdict.verdict != "explained" or verdict.accepted is None:
+        return verdict
+    ids = frozenset(verdict.accepted.fit.hypothesis.ids)
+    smaller = [
+        r
+        for r in ranking
+        if r.fit.hypothesis.ids
+        and frozenset(r.fit.hypothesis.ids) < ids
+        and errors[ids] > LEAST_WORSE * errors[frozenset(r.fit.hypothesis.ids)]
+    ]
+    if not smaller:
+        return verdict
+    rival = min(smaller, key=lambda r: errors[frozenset(r.fit.hypothesis.ids)])
+    return replace(
+        verdict,
+        verdict="ambiguous",
+        reason=f"The fit runs ask for {verdict.accepted.fit.hypothesis.label}, but the validation "
+        f"runs are predicted better by {rival.fit.hypothesis.label} alone.",
+        rivals=(rival,),
     )
 
 

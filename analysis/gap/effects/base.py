@@ -108,6 +108,7 @@ class Form:
     own_start: bool = False  # values of the effect's other forms mean something else here
     refined: bool = False  # a richer version of another form, tried once that form is chosen
     stands_for: frozenset[str] = frozenset()  # effects that a refined form may make needless
+    contains: frozenset[str] = frozenset()  # effects that it is at the edge of its parameters
     price: float = 0.0  # further fall of the log residual asked of a form that is rarely the reason
     step: float = 0.0  # finite-difference step in parameter scales, where the default is too fine
 

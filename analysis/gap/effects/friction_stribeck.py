@@ -48,6 +48,7 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
             shapes=frozenset({"breakaway_share", "stribeck_speed", shape.name}),
             removable=frozenset(p.name for p in levels),
             family=FAMILY,
+            contains=frozenset({"friction.coulomb"}),
             price=RARE,
             refined=shape.name == "travel",
         )

@@ -12,6 +12,7 @@ from ....models.drive import (
     GAIN,
     GAP,
     LIMIT,
+    LOAD_WIDTH,
     RIPPLE_WAVENUMBER,
     STAGES,
     STIFFNESS,
@@ -63,6 +64,7 @@ def split(
     shaft[n:, RIPPLE_WAVENUMBER] = shaft[n:, GAIN] = 1.0
     shaft[n:, LIMIT] = np.inf
     shaft[n:, STAGES] = 1.0
+    shaft[n:, LOAD_WIDTH] = shaft[:n, LOAD_WIDTH]
     fastest = np.sqrt(stiffness * (1.0 / motor + 1.0 / float(np.linalg.eigvalsh(load)[0])))
     coupling = np.zeros((n, 5))
     coupling[:, FROM_SHAFT] = np.arange(n)

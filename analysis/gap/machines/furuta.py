@@ -95,7 +95,6 @@ def furuta_machine(
         ),
         damping={"arm": "D_r", "pendulum": "D_p"},
         bandwidth=bandwidth,
-        columns=furuta.equation_columns,
         plant=plant,
         effects=lambda machine, runs: [*joint_forms(machine, runs), *_mass_forms(nominal)],
         loop=_simulate,

@@ -241,7 +241,6 @@ def _machine(
         ),
         damping={joint: name for joint, name, _ in damped},
         bandwidth=bandwidth,
-        columns=arm.columns,
         plant=plant,
         effects=lambda machine, runs: [*joint_forms(machine, runs), *_mass_forms(arm)],
         loop=lambda run, plant: simulate(arm, run, plant),

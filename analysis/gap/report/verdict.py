@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from ..attribution import RESAMPLES, Ranked
 from ..diagnosis import SIGNAL_PROBABILITY, Diagnosis
+from ..ranking import RESAMPLES, Ranked
 from ..verdict import LEAST_REMOVED
 from .base import Material, Section
 from .words import confidence, listed, meaning, number, percent, place, places

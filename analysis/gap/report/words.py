@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from ..attribution import Ranked
 from ..machine import Machine
+from ..ranking import Ranked
 
 MINUS = "\N{MINUS SIGN}"
 CONFIDENCE = ((0.99, "very high"), (0.9, "high"), (0.7, "moderate"), (0.0, "low"))

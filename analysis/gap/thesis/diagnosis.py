@@ -20,11 +20,11 @@ from ....models import benchmark, c_drive
 from ....models.benchmark import Conditions
 from ....models.c_drive import CDriveParameters
 from ...files import output_folder, write_whole
-from ..attribution import Ranked
 from ..drive_machine import DriveMachine
 from ..hypothesis import Fit, Hypothesis
 from ..machine import Array
 from ..machines.c_drive import c_drive_machine
+from ..ranking import Ranked
 from ..verdict import Verdict, decide
 from .candidates import CANDIDATES, candidate_forms
 from .carry_over import CarryOver, carry_over, parameter_intervals

@@ -7,6 +7,8 @@ import yaml
 from gapscope.analysis.errors import InputError
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
+from gapscope.analysis.gap.machines.model_file import load_arm
+from gapscope.analysis.gap.rigid_machine import StateColumns
 
 
 def urdf(base="world"):
@@ -65,3 +67,17 @@ def test_a_floating_base_may_be_welded(tmp_path):
     assert machine.joints == ("shoulder",)
     assert {p.name for p in machine.own} == {"mass_factor_base", "mass_factor_arm"}
     assert np.all(np.isfinite(machine.predict(runs[0], machine.build(machine.nominal()))))
+
+
+def test_columns_near_the_measured_state_are_right_to_first_order(tmp_path):
+    arm = load_arm(load_logset(folder_of(tmp_path)))
+    t = np.linspace(0.0, 2.0, 200)[:, None]
+    q, v = 0.8 * np.sin(3.0 * t), 2.4 * np.cos(3.0 * t)
+    equation = StateColumns(arm.columns, q, v)
+    dq, dv = np.full_like(q, 0.01), 0.01 * v
+    for near, exact, at in zip(
+        equation.near(dq, dv),
+        arm.columns(q + dq, v + dv),
+        (equation.mass, equation.bias, equation.load),
+    ):
+        assert np.max(np.abs(near - exact)) < 0.02 * max(np.max(np.abs(exact - at)), 1e-9)

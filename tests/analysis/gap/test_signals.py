@@ -77,3 +77,20 @@ def test_a_machine_that_sags_under_a_load_has_no_home_offset(case):
     machine, runs, _ = case
     sagging = [replace(r, position=r.position + 0.02) for r in runs if r.use == "fit"]
     assert signals._home_offset(machine, sagging) == []
+
+
+def test_noise_of_the_first_readings_is_no_home_offset(case):
+    machine, runs, _ = case
+    chance = np.random.default_rng(0)
+    noisy = [
+        replace(run, position=run.reference + chance.normal(0.0, 2e-3, run.position.shape))
+        for run in runs
+        if run.use == "fit"
+    ]
+    for run, first in zip(noisy, (3.1e-3, 3.0e-3, 2.9e-3, 3.0e-3)):
+        run.position[0] = run.reference[0] + first  # alike by chance, within the noise
+    assert signals._home_offset(machine, [replace(run, lsb=1e-4) for run in noisy]) == []
+    far = [replace(run, lsb=1e-4, position=run.position.copy()) for run in noisy]
+    for run in far:
+        run.position[:50] += 0.02
+    assert signals._home_offset(machine, far) != []

@@ -134,7 +134,11 @@ def test_what_fails_on_the_held_out_table_is_withdrawn():
     def ranked(forms, rms, probability):
         fit = SimpleNamespace(
             hypothesis=SimpleNamespace(
-                forms=forms, ids=tuple(forms), label=" + ".join(forms) or "retuned nominal"
+                forms=forms,
+                ids=tuple(forms),
+                label=" + ".join(forms) or "retuned nominal",
+                contained=frozenset(forms),
+                rough=False,
             ),
             held_out_rms=rms,
         )

@@ -1,14 +1,16 @@
 """What takes a claim back: validation runs that contradict it, and twins that share their wins."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from gapscope.analysis.gap.attribution import TWIN, _shared_wins
+from gapscope.analysis.gap.attribution import _holds_nothing
+from gapscope.analysis.gap.ranking import TWIN, _shared_wins
 from gapscope.analysis.gap.shrinkage import Shrinkage
-from gapscope.analysis.gap.verdict import GAP_RATIO, Verdict, confirmed
+from gapscope.analysis.gap.verdict import GAP_RATIO, Verdict, confirmed, decide, doubted
 
 NO_GAP = Verdict(verdict="no_gap", reason="Small.", accepted=None, rivals=(), removed=None)
 
@@ -48,3 +50,61 @@ def test_a_floor_without_repeats_contradicts_nothing() -> None:
 def test_twins_share_what_they_win_and_others_do_not() -> None:
     scores = np.array([[0.0, 0.0], [0.5 * TWIN, 2.0 * TWIN], [1.0, 1.0]])
     assert _shared_wins(scores) == pytest.approx([1.5, 0.5, 0.0])
+
+
+def ranked(ids: tuple[str, ...], probability: float, contains: tuple[str, ...] = ()) -> Any:
+    hypothesis = SimpleNamespace(
+        ids=ids,
+        forms=ids,
+        label=" + ".join(ids) or "retuned nominal",
+        contained=frozenset(ids) | frozenset(contains),
+        rough=False,
+    )
+    fit = SimpleNamespace(hypothesis=hypothesis, held_out_rms=1.02 if ids else 9.0)
+    return SimpleNamespace(fit=fit, probability=probability, gain_interval=(1.0, 2.0))
+
+
+DRY = ranked(("friction.coulomb",), 0.9)
+FALLING = ("friction.stribeck",), 0.08, ("friction.coulomb",)
+
+
+def test_a_richer_law_that_contains_the_best_one_is_no_rival() -> None:
+    found = decide([DRY, ranked(*FALLING), ranked((), 0.0)], ranked((), 0.0), 1.0)
+    assert found.verdict == "explained"
+    assert decide([DRY, ranked(*FALLING[:2])], ranked((), 0.0), 1.0).verdict == "ambiguous"
+
+
+def test_a_plainer_law_inside_the_best_one_is_taken_while_it_is_likely() -> None:
+    best = ranked(FALLING[0], 0.9, FALLING[2])
+    plainer = ranked(("friction.coulomb",), 0.08)
+    found = decide([best, plainer], ranked((), 0.0), 1.0)
+    assert found.accepted is plainer
+    unlikely = ranked(("friction.coulomb",), 0.01)
+    assert decide([best, unlikely], ranked((), 0.0), 1.0).accepted is best
+
+
+def test_an_effect_without_which_validation_runs_are_predicted_better_is_doubted() -> None:
+    both = ranked(("friction.coulomb", "load.bias"), 0.9)
+    claim = replace(NO_GAP, verdict="explained", accepted=both)
+    errors = {frozenset(r.fit.hypothesis.ids): e for r, e in ((both, 2.0), (DRY, 1.9))}
+    assert doubted(claim, [both, DRY], errors) is claim
+    errors[frozenset(DRY.fit.hypothesis.ids)] = 1.0
+    found = doubted(claim, [both, DRY], errors)
+    assert (found.verdict, found.rivals) == ("ambiguous", (DRY,))
+
+
+def test_an_effect_without_size_is_no_effect() -> None:
+    def size(name: str) -> Any:
+        return SimpleNamespace(name=name, starts=(0.0,))
+
+    form = SimpleNamespace(effect="friction.coulomb", step=0.0, shapes={"width"})
+    parameters = [size("level"), size("width")]
+    fit: Any = SimpleNamespace(
+        hypothesis=SimpleNamespace(forms=(form,), kept=lambda form: parameters),
+        keys=(("friction.coulomb", "level"), ("friction.coulomb", "width")),
+        values=(1e-5, 0.02),
+        deviation=(1e-4, 1e-3),
+    )
+    assert _holds_nothing(fit)
+    fit.values = (1e-3, 0.02)
+    assert not _holds_nothing(fit)

@@ -1,0 +1,98 @@
+"""How sure the choice is: held-out losses of every hypothesis, resampled by blocks.
+
+How often a hypothesis wins when the blocks are drawn anew is its probability.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .hypothesis import Fit, price
+from .machine import Array
+
+RESAMPLES = 1000
+TWIN = 0.002  # scores closer than this share of the residual separate nothing: nuisance exceeds it
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ranked:
+    """A hypothesis in the ranking."""
+
+    fit: Fit
+    probability: float
+    gain: float  # fall of the log held-out residual against the retuned nominal
+    gain_interval: tuple[float, float]  # 95 %, block bootstrap
+
+
+def best_by_ids(fits: Sequence[Fit]) -> list[Fit]:
+    """The best form of every set of effects."""
+    best: dict[frozenset[str], Fit] = {}
+    for candidate in fits:
+        ids = frozenset(candidate.hypothesis.ids)
+        if ids not in best or candidate.score < best[ids].score:
+            best[ids] = candidate
+    return list(best.values())
+
+
+def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
+    """Best first, with bootstrap probabilities and gains over the retuned nominal."""
+    chosen = best_by_ids(fits)
+    losses = _shared_losses(chosen)
+    prices = np.array([price(f.hypothesis) for f in chosen])
+    samples = retuned.samples
+    rng = np.random.default_rng(seed)
+    draws = rng.integers(0, samples.size, (RESAMPLES, samples.size))
+    logs = _log_rms(losses, samples, draws)
+    wins = _shared_wins(logs + prices[:, None])
+    reference = _log_rms(retuned.losses[None], samples, draws)[0]
+    ranked = []
+    for i, candidate in enumerate(chosen):
+        low, high = np.quantile(reference - logs[i], [0.025, 0.975])
+        ranked.append(
+            Ranked(
+                fit=candidate,
+                probability=float((wins[i] + 1.0 / len(chosen)) / (RESAMPLES + 1.0)),
+                gain=float(
+                    np.log(retuned.held_out_rms) - 0.5 * np.log(losses[i].sum() / samples.sum())
+                ),
+                gain_interval=(float(low), float(high)),
+            )
+        )
+    scores = 0.5 * np.log(losses.sum(axis=1) / samples.sum()) + prices
+    order = np.argsort(scores, kind="stable")
+    return [ranked[i] for i in order]
+
+
+def _shared_losses(fits: Sequence[Fit]) -> Array:
+    """Held-out losses (hypotheses, blocks); hypotheses with the same predictions have the same.
+
+    Which of them predicts held-out runs better is chance: they left other directions free.
+    """
+    losses = np.array([f.losses for f in fits])
+    shared = losses.copy()
+    for i, f in enumerate(fits):
+        for j, other in enumerate(fits):
+            if losses[j].sum() < shared[i].sum() and _same_predictions(f, other):
+                shared[i] = losses[j]
+    return shared
+
+
+def _same_predictions(a: Fit, b: Fit) -> bool:
+    """Whether what the residuals differ by changes the log residual by less than ``TWIN``."""
+    if a.residual.size == 0 or a.residual.size != b.residual.size:
+        return False
+    return float(np.mean((a.residual - b.residual) ** 2)) < 2.0 * TWIN * b.rms**2
+
+
+def _shared_wins(scores: Array) -> Array:
+    """Draws won by each hypothesis of ``scores`` (hypotheses, draws); twins share theirs."""
+    close = scores <= scores.min(axis=0) + TWIN
+    return np.asarray((close / close.sum(axis=0)).sum(axis=1))
+
+
+def _log_rms(losses: Array, samples: Array, draws: NDArray[np.int64]) -> Array:
+    """Log rms (hypotheses, draws) of resampled blocks."""
+    count = samples[draws].sum(axis=1)
+    return np.array([0.5 * np.log(row[draws].sum(axis=1) / count) for row in losses])
