@@ -49,6 +49,16 @@ def test_every_seed_is_read_as_it_is(target, folder):
     assert targets.read_tables(path)
 
 
+def test_a_mat_file_that_crashes_its_reader_is_refused_in_one_line(folder):
+    path = folder / "crash.mat"
+    # Input 9904 of the campaign: scipy 1.17 follows a damaged length out of its memory.
+    path.write_bytes(mutated((folder / "seeds" / "log.mat").read_bytes(), 9904))
+    reason = r"crash\.mat: (it crashed its reader \(SIG\w+\)|unreadable .*); expected a MATLAB file"
+    with pytest.raises(InputError, match=reason) as caught:
+        targets.command_line(["import", str(path), "--kind", "slider", "--yes", "--out", "out"])
+    assert "\n" not in str(caught.value)
+
+
 @settings(max_examples=25, deadline=None, derandomize=True, database=None)
 @given(
     st.lists(

@@ -1,21 +1,25 @@
-"""MATLAB .mat files: versions 5 to 7 by scipy, 7.3 by h5py."""
+"""MATLAB .mat files: versions 4 to 7 by scipy in a process of its own, 7.3 by h5py."""
 
-import warnings
+import signal
+import subprocess
+import sys
+import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from ...errors import InputError
-from . import hdf5_table
-from .base import Array, Signals, broken, grouped, in_blocks, numbers, one_table
+from . import hdf5_table, matlab_child
+from .base import Array, Signals, broken, grouped, in_blocks, one_table
 
 SUFFIXES = (".mat",)
 FORMAT = "MATLAB"
 WANTED = "a MATLAB file of version 5 to 7.3"
-DEEPEST = 12
 SIGNATURE = b"\x89HDF\r\n\x1a\n"  # MATLAB 7.3 puts it after a header of 512 bytes
+VERSIONS = (b"\x00\x01IM", b"\x01\x00MI")  # end of the header of versions 5 to 7, by byte order
+READER = matlab_child.__name__  # the module that the reading process runs
+PATIENCE = 60.0  # [s] that the reading process gets for any file, and
+SLOWEST = 2e6  # [byte/s] for its length
+DAMAGED = "The file is probably damaged: copy it again, or save it again in MATLAB."
 
 
 def read(path: Path) -> list[Signals]:
@@ -24,13 +28,14 @@ def read(path: Path) -> list[Signals]:
     Simulink's structure with time is understood; timeseries objects are not (MATLAB alone can read
     them): save ``struct(ts)`` or ``[ts.Time ts.Data]`` instead.
     """
-    if _is_hdf5(path):
+    with open(path, "rb") as file:
+        head = file.read(520)
+    if SIGNATURE in (head[:8], head[512:520]):
         return grouped(hdf5_table.read_arrays(path, ".", transposed=True))
-    arrays: dict[str, Array] = {}
-    objects: list[str] = []
-    for name, value in _load(path).items():
-        if not name.startswith("__"):
-            _flatten(name, value, arrays, objects, 0)
+    # The first number of version 4 is below 5000, so that one of its bytes is zero.
+    if 0 not in head[:4] and head[124:128] not in VERSIONS:
+        raise broken(path, WANTED, "its header is not one that MATLAB writes")
+    arrays, objects = _in_a_child(path)
     if not any(array.size > 1 for array in arrays.values()):
         what = f"only objects such as {objects[0]!r}" if objects else "no array of numbers"
         raise InputError(
@@ -45,48 +50,23 @@ def blocks(path: Path, names: Sequence[str]) -> Iterator[Array]:
     return in_blocks(one_table(path, read(path), names), names)
 
 
-def _is_hdf5(path: Path) -> bool:
-    with open(path, "rb") as file:
-        head = file.read(520)
-    return SIGNATURE in (head[:8], head[512:520])
-
-
-def _load(path: Path) -> dict[str, Any]:
-    from scipy.io import loadmat
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # duplicate variables, unknown objects
-            return dict(loadmat(path, simplify_cells=True))
-    # scipy's reader raises whatever a damaged tag leads it to.
-    except Exception as error:
-        raise broken(path, WANTED, error) from None
-
-
-def _flatten(
-    name: str, value: Any, arrays: dict[str, Array], objects: list[str], depth: int
-) -> None:
-    if depth > DEEPEST:
-        return
-    if isinstance(value, dict):
-        for key, item in value.items():
-            _flatten(f"{name}.{key}", item, arrays, objects, depth + 1)
-    elif isinstance(value, list) or (isinstance(value, np.ndarray) and value.dtype == object):
-        for i, item in enumerate(np.ravel(np.asarray(value, dtype=object))[:1000]):
-            _flatten(f"{name}.{_label(item, i)}", item, arrays, objects, depth + 1)
-    elif value.__class__.__name__ in ("MatlabOpaque", "MatlabFunction"):
-        objects.append(name)
-    else:
-        array = numbers(value)
-        if array is not None:
-            arrays[name] = array
-
-
-def _label(item: Any, i: int) -> str:
-    """Name of an element of a structure array by its own label, as Simulink and dSPACE write it."""
-    if isinstance(item, dict):
-        for key in ("label", "Name", "name"):
-            text = item.get(key)
-            if isinstance(text, str) and text.strip():
-                return text.strip()
-    return str(i)
+def _in_a_child(path: Path) -> tuple[dict[str, Array], list[str]]:
+    """Arrays and names of objects; InputError where the reader refuses, crashes or does not end."""
+    limit = PATIENCE + path.stat().st_size / SLOWEST
+    with tempfile.TemporaryDirectory(prefix="gapscope-") as folder:
+        result = Path(folder) / "arrays.npz"
+        # -P: nothing that lies in the working directory is imported.
+        command = [sys.executable, "-P", "-m", READER, str(path), str(result)]
+        try:
+            done = subprocess.run(
+                command, stdin=subprocess.DEVNULL, capture_output=True, timeout=limit, check=False
+            )
+        except subprocess.TimeoutExpired:
+            raise InputError(path, f"not read within {limit:.0f} s", WANTED, DAMAGED) from None
+        if done.returncode < 0:
+            name = signal.Signals(-done.returncode).name
+            raise InputError(path, f"it crashed its reader ({name})", WANTED, DAMAGED)
+        if done.returncode:
+            lines = done.stderr.decode(errors="replace").strip().splitlines()
+            raise broken(path, WANTED, lines[-1] if lines else f"exit code {done.returncode}")
+        return matlab_child.load(result)

@@ -2,14 +2,16 @@
 
 import gzip
 import json
+import os
 import sys
 
 import numpy as np
 import pytest
-from scipy.io import savemat
+from scipy.io import loadmat, savemat
 
 from gapscope.analysis.errors import InputError
 from gapscope.analysis.gap import tables
+from gapscope.analysis.gap.tables import matlab_table
 
 SAMPLES = 300
 T = 0.001 * np.arange(SAMPLES)
@@ -137,6 +139,63 @@ def test_structures_with_a_time_of_their_own_are_groups(tmp_path):
     assert (drive.name, drive.time, drive.samples) == ("drive", "time", 300)
     assert set(drive.columns) == {"time", "signals.values"}
     assert (logger.name, logger.time, logger.samples) == ("logger", "t", 30)
+
+
+def test_structures_of_every_kind_come_back_from_the_child_as_scipy_reads_them(tmp_path):
+    path = tmp_path / "log.mat"
+    wide, odd = np.arange(12.0).reshape(2, 6), np.array([np.nan, np.inf, -0.0, 5e-324])
+    savemat(
+        path,
+        {"a": wide, "whole": np.arange(6, dtype=np.int16), "s": {"t": odd, "x": odd[::-1]}},
+        do_compression=True,
+    )
+    columns = {f"{g.name}.{n}": c for g in tables.read(path) for n, c in g.columns.items()}
+    wanted = loadmat(path, simplify_cells=True)
+    assert set(columns) == {".a[0]", ".a[1]", ".whole", "s.t", "s.x"}
+    for name, values in (
+        (".a[0]", wanted["a"][0]), (".a[1]", wanted["a"][1]), (".whole", wanted["whole"]),
+        ("s.t", wanted["s"]["t"]), ("s.x", wanted["s"]["x"]),
+    ):  # fmt: skip
+        assert columns[name].tobytes() == values.astype(np.float64).tobytes(), name
+
+
+def test_a_mat_file_of_version_4_is_read(tmp_path):
+    savemat(tmp_path / "log.mat", LOG, format="4")
+    (group,) = tables.read(tmp_path / "log.mat")
+    np.testing.assert_array_equal(group.columns["q"], LOG["q"])
+
+
+def read_by(program, folder, monkeypatch):
+    """Read a good .mat file, but with ``program`` as the module that the reading process runs."""
+    write_mat(folder / "log.mat")
+    (folder / "stand_in.py").write_text(program)
+    monkeypatch.setenv("PYTHONPATH", str(folder))
+    monkeypatch.setattr(matlab_table, "READER", "stand_in")
+    return tables.read(folder / "log.mat")
+
+
+def test_a_reader_that_hangs_is_ended(tmp_path, monkeypatch):
+    monkeypatch.setattr(matlab_table, "PATIENCE", 2.0)
+    pid = tmp_path / "pid"
+    hangs = f"import os, time; open({str(pid)!r}, 'w').write(str(os.getpid())); time.sleep(600)"
+    with pytest.raises(InputError, match=r"log\.mat: not read within 2 s; expected a MATLAB.*copy"):
+        read_by(hangs, tmp_path, monkeypatch)
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(pid.read_text()), 0)
+
+
+def test_a_reader_that_crashes_is_one_error(tmp_path, monkeypatch):
+    with pytest.raises(
+        InputError, match=r"log\.mat: it crashed its reader \(SIGABRT\); expected a"
+    ):
+        read_by("import os; os.abort()", tmp_path, monkeypatch)
+
+
+def test_a_file_that_only_ends_in_mat_starts_no_reader(tmp_path, monkeypatch):
+    monkeypatch.setattr(matlab_table, "READER", "no_such_module")
+    (tmp_path / "log.mat").write_text("t,q\n" + "0.0,1.0\n" * 100)
+    with pytest.raises(InputError, match=r"its header is not one that MATLAB writes"):
+        tables.read(tmp_path / "log.mat")
 
 
 def test_mcap_topics_are_groups_and_stamps_are_times(tmp_path):
