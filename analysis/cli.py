@@ -8,6 +8,7 @@ import typer
 
 from .commands import (
     bandwidth,
+    bench,
     blind,
     calibrate,
     cases,
@@ -54,6 +55,7 @@ app.command("demo")(demo.demo)
 app.command("blind")(blind.blind)
 app.command("cases")(cases.cases)
 app.command("rig")(rig.rig)
+app.command("bench")(bench.bench)
 app.command("view")(view.view)
 
 

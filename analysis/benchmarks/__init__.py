@@ -1,0 +1,1 @@
+"""Speed beside peers and the limit: interleaved rounds, medians, and whether the results agree."""

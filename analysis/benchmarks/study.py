@@ -1,0 +1,29 @@
+"""Which groups there are, and how many rounds each takes."""
+
+import os
+from pathlib import Path
+
+from ..datasets import VARIABLE
+from ..errors import InputError
+from . import closed_loop, diagnosis, start_up
+from .rounds import Group
+
+ROUNDS = {closed_loop.NAME: (31, 5), start_up.NAME: (31, 5), diagnosis.NAME: (3, 1)}  # full, quick
+
+
+def measured(name: str, quick: bool, open_sets: Path | None) -> Group:
+    """Measure the group ``name``; InputError if ``open_sets`` is stated and holds no log set."""
+    rounds = ROUNDS[name][quick]
+    if name == closed_loop.NAME:
+        return closed_loop.closed_loop(rounds)
+    if name == start_up.NAME:
+        return start_up.start_up(rounds)
+    if open_sets is not None and not diagnosis.log_sets(open_sets):
+        raise InputError("--open", f"no log sets in {open_sets}", "a folder of log set folders")
+    return diagnosis.diagnosis(open_sets or default_folder(), rounds)
+
+
+def default_folder() -> Path | None:
+    """``gap/open`` beside the folder of measured data, if that is set."""
+    data = os.environ.get(VARIABLE)
+    return Path(data).resolve().parent / "gap" / "open" if data else None

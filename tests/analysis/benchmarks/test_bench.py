@@ -1,0 +1,181 @@
+"""The benchmarks' arithmetic, agreement, files and what is skipped; never how fast this machine is."""
+
+import json
+from itertools import chain, repeat
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from gapscope.analysis.benchmarks import (
+    c_loop,
+    closed_loop,
+    diagnosis,
+    report,
+    rounds,
+    start_up,
+    study,
+)
+from gapscope.analysis.cli import app
+from gapscope.analysis.errors import InputError
+from gapscope.models import drive_kernels
+
+SAMPLES = 60
+
+
+def test_rounds_are_interleaved_and_their_order_rotates():
+    now, calls = [0.0], []
+
+    def job(name, seconds):
+        def run():
+            now[0] += seconds
+            calls.append(name)
+
+        return rounds.Contender(name=name, run=run)
+
+    jobs = [job("a", 2.0), job("b", 0.004)]
+    seconds, repeats = rounds.measure(jobs, 2, lambda: now[0])
+    assert repeats == [1, 3]  # 3 x 4 ms fill a block of 10 ms
+    assert "".join(calls) == "ab" + "abbb" + "bbba"
+    np.testing.assert_allclose(seconds, [[2.0, 0.004]] * 2)
+
+
+def test_ratios_are_formed_within_rounds():
+    """A round in which the machine is ten times slower for all leaves the ratios as they are."""
+    jobs = [rounds.Contender(name=name, run=dict) for name in "ab"]
+    seconds = np.array([[2.0, 1.0], [20.0, 10.0], [6.0, 2.0]])
+    a, b = rounds.rows(jobs, seconds, [1, 1], [("", True)] * 2, "b")
+    assert (a.median_s, a.ratio) == (6.0, 2.0)
+    assert a.ratio_low == pytest.approx(2.0)
+    assert a.ratio_high == pytest.approx(2.8)
+    assert (b.ratio, b.ratio_low, b.ratio_high) == (1.0, 1.0, 1.0)
+
+
+@pytest.fixture(scope="module")
+def measured():
+    return closed_loop.closed_loop(2, SAMPLES)
+
+
+def test_all_loops_agree(measured):
+    assert {row.name for row in measured.rows} >= {
+        closed_loop.OURS,
+        closed_loop.DRAKE,
+        closed_loop.PYTHON,
+    }
+    assert [row.name for row in measured.rows if not row.agrees] == []
+    assert all(row.median_s > 0.0 for row in measured.rows)
+
+
+def test_a_wrong_loop_is_found(monkeypatch):
+    """One part in a billion of one constant is beyond the tolerance."""
+    true = closed_loop.c_constants
+    factor = np.ones(12)
+    factor[4] += 1e-9  # dry friction of the motors
+    monkeypatch.setattr(closed_loop, "c_constants", lambda config: factor * true(config))
+    rows = {row.name: row for row in closed_loop.closed_loop(1, SAMPLES).rows}
+    if closed_loop.C not in rows:
+        pytest.skip("no C compiler")
+    assert not rows[closed_loop.OURS].agrees
+
+
+def test_plain_python_runs_no_compiled_kernel():
+    space = closed_loop.interpreted(drive_kernels, "simulate").__globals__
+    kernels = [name for name, value in vars(drive_kernels).items() if hasattr(value, "py_func")]
+    assert {"simulate", "control_step", "advance", "rest"} <= set(kernels)
+    assert [name for name in kernels if hasattr(space[name], "py_func")] == []
+
+
+@pytest.mark.parametrize(
+    ("cc", "words"), [("no-such-cc", "no-such-cc is not on the PATH"), ("false", "failed")]
+)
+def test_c_is_skipped_by_name_without_a_working_compiler(monkeypatch, cc, words):
+    monkeypatch.setenv("CC", cc)
+    group = closed_loop.closed_loop(1, SAMPLES)
+    (skipped,) = group.skipped
+    assert skipped.name == closed_loop.C
+    assert words in skipped.reason
+    assert group.reference == closed_loop.OURS
+
+
+def test_c_source_comes_with_the_package():
+    reference = np.zeros((3, 2))
+    constants = closed_loop.c_constants(closed_loop.task())
+    try:
+        run = c_loop.c_loop(reference, constants)
+    except c_loop.NoCompilerError as error:
+        pytest.skip(str(error))
+    assert [signal.tolist() for signal in run()] == [[[0.0, 0.0]] * 3] * 2
+
+
+def test_files_hold_what_was_measured(measured, tmp_path):
+    machine = report.machine()
+    paths = report.write([measured], machine, report.machine(), tmp_path / "out")
+    assert sorted(path.name for path in paths) == ["bench.json", "bench.png"]
+    document = json.loads(paths[0].read_text())
+    assert document["groups"] == [json.loads(json.dumps(measured.to_json()))]
+    assert document["machine"]["versions"].keys() == {"gapscope", "drake", "numpy", "numba"}
+
+
+def test_nothing_is_written_if_the_plot_fails(measured, tmp_path, monkeypatch):
+    def fail(groups, path):
+        raise RuntimeError("no plot")
+
+    monkeypatch.setattr(report, "plot", fail)
+    with pytest.raises(RuntimeError, match="no plot"):
+        report.write([measured], report.machine(), report.machine(), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_command_says_what_is_skipped(tmp_path, monkeypatch):
+    monkeypatch.delenv("GAPSCOPE_DATA", raising=False)
+    monkeypatch.setenv("COLUMNS", "200")
+    out = tmp_path / "bench"
+    done = CliRunner().invoke(app, ["bench", "--out", str(out), "--quick", "--group", "diagnosis"])
+    assert done.exit_code == 0, done.output
+    assert "give --open DIR" in done.stdout
+    (group,) = json.loads((out / "bench.json").read_text())["groups"]
+    assert [row["name"] for row in group["skipped"]] == ["open sets"]
+    assert (out / "bench.png").is_file()
+
+
+def test_disagreement_ends_in_exit_code_1(tmp_path, monkeypatch):
+    row = rounds.Row(
+        name="x", median_s=1.0, low_s=1.0, high_s=1.0, ratio=None, ratio_low=None,
+        ratio_high=None, repeats=1, check="differs by 1", agrees=False,
+    )  # fmt: skip
+    group = rounds.Group(name="g", task="t", rounds=1, reference=None, agreement="", rows=(row,))
+    monkeypatch.setattr(study, "measured", lambda *_: group)
+    monkeypatch.setenv("COLUMNS", "200")
+    done = CliRunner().invoke(app, ["bench", "--out", str(tmp_path), "--group", "start-up"])
+    assert done.exit_code == 1
+    assert "DISAGREES" in done.stdout
+
+
+def test_a_stated_folder_without_log_sets_is_refused(tmp_path):
+    with pytest.raises(InputError, match="--open: no log sets"):
+        study.measured(diagnosis.NAME, True, tmp_path)
+
+
+def test_diagnoses_that_differ_are_found(tmp_path, monkeypatch):
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "logset.yaml").touch()
+    verdicts = repeat("explained")
+
+    def result():
+        return {"verdict": next(verdicts), "effects": [], "provenance": {"simulations": 7}}
+
+    monkeypatch.setattr(diagnosis, "_diagnose", lambda path: result)
+    (row,) = diagnosis.diagnosis(tmp_path, 1).rows
+    assert row.agrees
+    assert row.check.startswith("explained; 7 simulations")
+    verdicts = chain(["explained"], repeat("ambiguous"))
+    (row,) = diagnosis.diagnosis(tmp_path, 1).rows
+    assert not row.agrees
+
+
+def test_start_up_needs_the_right_output(monkeypatch):
+    done = SimpleNamespace(returncode=0, stdout="")
+    monkeypatch.setattr(start_up.subprocess, "run", lambda *_, **__: done)
+    agrees = {row.name: row.agrees for row in start_up.start_up(1).rows}
+    assert agrees == {start_up.BARE: True, start_up.NUMPY: True, start_up.HELP: False}
