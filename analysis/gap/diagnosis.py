@@ -25,6 +25,7 @@ from .fitting import Predictor, fit
 from .floor import NO_CYCLES
 from .hypothesis import Fit, Hypothesis
 from .inverse_model import Structure
+from .law_error import within_law
 from .logset import LogSet, load_logset
 from .machine import Array, Machine, RunData, rms
 from .machines import read_machine, stated_encoder_step
@@ -186,7 +187,9 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     )[0]
     floor = _floor(fit_runs, best, machine)
     aside = machine.out_of_step(fit_runs, best)
-    verdict = with_findings(in_step(decide(ranking, retuned_rank, floor), aside), findings)
+    verdict = decide(ranking, retuned_rank, floor)
+    verdict = within_law(verdict, ranking, retuned_rank, floor, machine.law_error)
+    verdict = with_findings(in_step(verdict, aside), findings)
     chosen = verdict.accepted.fit if verdict.accepted else retuned
     tell("verifying on held-out runs")
     as_logged = [run for run in logged if run.use == "validate"]

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from .clock import ReplayCheck
     from .effects import Effect, Form
     from .inverse_model import Structure
+    from .law_error import LawError
     from .signals import SignalFinding
 
 Array = NDArray[np.float64]
@@ -122,6 +123,11 @@ class Machine(ABC):
     def task_rows(self) -> tuple[tuple[str, ...], Array]:
         """Names of the task coordinates and their rows (task, n) over the joints."""
         return self.joints, np.eye(len(self.joints))
+
+    @property
+    def law_error(self) -> "LawError | None":
+        """How far the law and its effects are from the machine; None where they are taken as exact."""
+        return None
 
     def nominal(self) -> dict[str, float]:
         """Nominal values of the own parameters."""

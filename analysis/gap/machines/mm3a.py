@@ -17,6 +17,9 @@ Columns ``t: s`` (since the session began), ``steps: 1`` (signed, commanded), ``
 Keys of a run: ``joint`` (1, 2, 3); ``theta_rad``, ``psi_rad`` tilt of the base (0); ``session`` a label;
 ``force_N`` known force on the tip in frame 0; ``run_in_steps`` steps in the direction of the move that
 were made before each of them and not logged, which makes a reversal invisible (0).
+
+The floor counts in what the step law itself may be off (``LAW_MISFIT``), and a claim must be larger than that
+and than what the form of one effect may miss (``law_error.py``); ``analysis/mm3a/blind.py`` has what this brings.
 """
 
 from collections.abc import Mapping, Sequence
