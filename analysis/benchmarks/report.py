@@ -68,7 +68,7 @@ def plot(groups: Sequence[Group], path: Path) -> None:
     figure = Figure(figsize=(8.0, 1.2 * len(groups) + 0.35 * sum(heights)), layout="constrained")
     panels = figure.subplots(len(groups), 1, squeeze=False, height_ratios=heights)[:, 0]
     for axes, group in zip(panels, groups):
-        axes.set_title(f"{group.name}, {group.rounds} rounds", loc="left", fontsize=10)
+        axes.set_title(f"{group.name}, rounds: {group.rounds}", loc="left", fontsize=10)
         if not group.rows:
             axes.set_axis_off()
             axes.text(0.0, 0.5, "; ".join(f"{s.name}: {s.reason}" for s in group.skipped))
@@ -91,11 +91,12 @@ def table(group: Group) -> Table:
     """Times, ratios and the check of one group, side by side."""
     shown = Table(
         title=f"{group.name}: {group.task}",
-        caption=f"{group.rounds} rounds; agreement: {group.agreement}",
+        caption=f"rounds: {group.rounds}; agreement: {group.agreement}",
         title_justify="left",
         caption_justify="left",
     )
-    for heading in ("contender", "median", "0.1 - 0.9", f"ratio to {group.reference}", "check"):
+    ratio = f"ratio to {group.reference}" if group.reference else ""
+    for heading in ("contender", "median", "0.1 - 0.9", ratio, "check"):
         shown.add_column(heading)
     for row in group.rows:
         shown.add_row(
