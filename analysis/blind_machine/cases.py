@@ -37,11 +37,14 @@ def draw(seed: int, index: int) -> Case:
     shuffled = _deck(np.random.default_rng([seed, deck, 0]))
     kind, causes = shuffled[card]
     stream = np.random.SeedSequence(seed, spawn_key=(index,))  # child ``index`` of the seed
-    for attempt in stream.spawn(ATTEMPTS):
-        case = _draw(seed, index, kind, causes, np.random.default_rng(attempt))
+    slides = _slides(seed, index, kind, causes)
+    for number, attempt in enumerate(stream.spawn(2 * ATTEMPTS)):
+        # A slider that runs away at every draw, clipped below what its friction asks for, gives way.
+        slider = slides and number < ATTEMPTS
+        case = _draw(seed, index, kind, causes, slider, np.random.default_rng(attempt))
         if steady(case):
             return case
-    raise RuntimeError(f"seed {seed}, case {index}: {ATTEMPTS} draws of {causes} all ran away")
+    raise RuntimeError(f"seed {seed}, case {index}: {2 * ATTEMPTS} draws of {causes} all ran away")
 
 
 def steady(case: Case) -> bool:
@@ -52,15 +55,21 @@ def steady(case: Case) -> bool:
     return bool(max(np.abs(command).max() for command in commands) < layout.RUNAWAY)
 
 
+def _slides(seed: int, index: int, kind: str, causes: tuple[str, ...]) -> bool:
+    """Whether the case is a slider's: a share of those that a slider can show."""
+    shown = kind != OFF and set(causes) <= set(slider_effects.EFFECTS)
+    return bool(shown and np.random.default_rng([seed, index, 1]).random() < SLIDERS)
+
+
 def _draw(
-    seed: int, index: int, kind: str, causes: tuple[str, ...], rng: np.random.Generator
+    seed: int,
+    index: int,
+    kind: str,
+    causes: tuple[str, ...],
+    slides: bool,
+    rng: np.random.Generator,
 ) -> Case:
-    slides = kind != OFF and set(causes) <= set(slider_effects.EFFECTS)
-    stated = (
-        Slider()
-        if slides and np.random.default_rng([seed, index, 1]).random() < SLIDERS
-        else Machine()
-    )
+    stated = Slider() if slides else Machine()
     nominal = nuisance(rng, stated)
     machine, parameters, partial = _apply(causes, nominal, rng)
     speed = float(rng.choice(SPEEDS))

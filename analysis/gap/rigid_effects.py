@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...models import joint as law
-from .effects.base import RARE, Form, Values, at, everywhere, parameter
+from .effects.base import DRY_FRICTION, RARE, Form, Values, at, everywhere, parameter
 from .effects.dry_friction import FAMILY
 from .machine import Array, Parameter, RunData
 from .rigid_machine import RigidMachine, RigidPlant, RigidRun
@@ -164,6 +164,7 @@ def stribeck(machine: RigidMachine, s: Sizes) -> list[Form]:
             [*_levels(machine, s), share, speed],
             apply,
             shapes=frozenset({"breakaway_share", "stribeck_speed_share"}),
+            contains=DRY_FRICTION,
             family=FAMILY,
             price=RARE,
         )

@@ -197,7 +197,8 @@ def prepared(run: RunData, columns: Columns, bandwidth: float) -> RigidRun:
     signals = ("t", "reference", "reference_rate", "reference_acceleration", "position", "command")
     means = {name: block_means(getattr(run, name), block) for name in signals}
     position, dt = means["position"], block * run.dt
-    padded = np.concatenate([position[:1], position, position[-1:]])
+    before, after = 2.0 * position[:1] - position[1:2], 2.0 * position[-1:] - position[-2:-1]
+    padded = np.concatenate([before, position, after])  # a log may begin and end in motion
     edge = min(int(EDGE / (cutoff * dt)), len(position) // 10)
     changed = {
         **means,

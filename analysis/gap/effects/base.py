@@ -9,6 +9,7 @@ import numpy as np
 from ....models.drive import Drive
 from ..machine import Array, Parameter, RunData
 
+DRY_FRICTION = frozenset({"friction.coulomb"})  # what Stribeck friction contains
 RARE = 0.03  # price of a form that a plainer one nearly contains
 
 

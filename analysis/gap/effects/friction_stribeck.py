@@ -4,7 +4,18 @@ from collections.abc import Callable
 
 from ....models.drive import BREAKAWAY, STRIBECK_SPEED
 from ..machine import Parameter
-from .base import RARE, Effect, Form, Scales, ShaftMachine, ShaftPlant, Values, at, parameter
+from .base import (
+    DRY_FRICTION,
+    RARE,
+    Effect,
+    Form,
+    Scales,
+    ShaftMachine,
+    ShaftPlant,
+    Values,
+    at,
+    parameter,
+)
 from .dry_friction import (
     FAMILY,
     apply_bristles,
@@ -48,7 +59,7 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
             shapes=frozenset({"breakaway_share", "stribeck_speed", shape.name}),
             removable=frozenset(p.name for p in levels),
             family=FAMILY,
-            contains=frozenset({"friction.coulomb"}),
+            contains=DRY_FRICTION,
             price=RARE,
             refined=shape.name == "travel",
         )

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..effects.base import RARE, Form, Values, everywhere, parameter
+from ..effects.base import DRY_FRICTION, RARE, Form, Values, everywhere, parameter
 from ..machine import Parameter, RunData
 from .pendulum import RESISTANCE, TORQUE_CONSTANT, ServoPlant, ServoRun
 
@@ -28,7 +28,7 @@ def pendulum_forms(joints: tuple[str, ...], runs: Sequence[RunData]) -> list[For
         form("friction.coulomb", "level, by direction", [_LEVEL, _ASYMMETRY], _dry, family=DRY,
              refined=True, removable=frozenset({"level", "asymmetry"}), price=RARE),
         form("friction.stribeck", "Gaussian decay", [_LEVEL, _BREAKAWAY, _SPEED], _dry,
-             family=DRY, shapes=frozenset({"stribeck_speed"}), price=RARE),
+             family=DRY, shapes=frozenset({"stribeck_speed"}), contains=DRY_FRICTION, price=RARE),
         form("friction.load_dependent", "share of the gear's load", [_SHARE], _lost),
         form("friction.load_dependent", "shares of motor and load", [_MOTOR, _LOAD], _lost,
              removable=frozenset({"share_motor", "share_load"})),

@@ -117,3 +117,12 @@ def test_every_effect_keeps_the_types_the_kernel_was_compiled_for(machine, effec
         for field, default in zip(machine._fields, machine):
             assert type(getattr(changed, field)) is type(default), field
         assert parameters
+
+
+def test_a_slider_that_always_runs_away_gives_way_to_the_drive(monkeypatch):
+    index = index_of(6, "single", Slider)
+    drawn = cases.draw(6, index)
+    monkeypatch.setattr(cases, "steady", lambda case: not isinstance(case.machine, Slider))
+    other = cases.draw(6, index)
+    assert isinstance(other.machine, Machine)
+    assert other.cause == drawn.cause
