@@ -33,10 +33,14 @@ def demo(
         console.print(f"answer sealed before the diagnosis: SHA-256 {case.seal[:16]}…")
         blind = diagnose(case.logset, progress=lambda text: status.update(text))
         print_diagnosis(console, blind)
+        among = blind.verdict.verdict == "ambiguous" and set(case.answer["answer"]) <= set(
+            parts.named(blind)
+        )
+        undecided = "undecided, the answer among the named" if among else "not right"
         console.print(
             f"diagnosed: {', '.join(parts.named(blind)) or 'nothing'} ({blind.verdict.verdict})\n"
             f"answer opened: {', '.join(case.answer['answer'])}, {case.answer['parameters']}\n"
-            f"-> {'right' if case.right(blind) else 'not right'}; {case.open(folder)}",
+            f"-> {'right' if case.right(blind) else undecided}; {case.open(folder)}",
             soft_wrap=True,
         )
         console.print(f"report: {parts.save(blind, folder)}", soft_wrap=True)
