@@ -77,10 +77,7 @@ def out_of_step(
 
 
 def over_white_noise(runs: "Sequence[RunData]", residuals: Sequence[Array]) -> float | None:
-    """As ``out_of_step``, for a residual whose measurement noise is white and smooth otherwise.
-
-    Third differences leave white noise, sqrt(20) times as large, and little of anything smooth.
-    """
+    """As ``out_of_step``, for a residual whose measurement noise is white and smooth otherwise."""
     repeated = [
         (r, found)
         for run, r in zip(runs, residuals)
@@ -88,10 +85,18 @@ def over_white_noise(runs: "Sequence[RunData]", residuals: Sequence[Array]) -> f
     ]
     if not repeated:
         return None
-    noise = np.concatenate([np.diff(r, 3, axis=0).ravel() for r, _ in repeated]) / np.sqrt(20.0)
+    noise = np.concatenate([white_noise(r).ravel() for r, _ in repeated])
     seen = np.concatenate([found.ravel() for _, found in repeated])
     level = float(np.sqrt(np.mean(noise**2)))
     return float(np.sqrt(np.mean(seen**2))) / level if level > 0.0 else None
+
+
+def white_noise(signal: Array) -> Array:
+    """What is left of a signal (samples, n) that is smooth but for white noise, as large as that noise.
+
+    Third differences leave little of anything smooth and sqrt(20) times the noise.
+    """
+    return np.asarray(np.diff(signal, 3, axis=0) / np.sqrt(20.0))
 
 
 def _noise_filter(frequency: Array, bandwidth: float, run: "RunData") -> Array:

@@ -16,6 +16,7 @@ from scipy.optimize import least_squares
 
 from .clock import replay
 from .fitting import Predictor, fit
+from .floor import white_noise
 from .hypothesis import Hypothesis
 from .machine import Array, Machine, RunData
 
@@ -218,9 +219,8 @@ def _home_offset(machine: Machine, runs: Sequence[RunData]) -> list[SignalFindin
     first = np.array([run.position[0] - run.reference[0] for run in runs])
     mean, spread = first.mean(axis=0), np.ptp(first, axis=0)
     lsb = max(run.lsb for run in runs)
-    # Third differences leave little of a motion, and sqrt(20) times white noise.
-    noise = np.sqrt(np.mean([np.var(np.diff(r.position, 3, axis=0), axis=0) for r in runs]) / 20.0)
-    limit = np.maximum(max(HOME_COUNTS * lsb, HOME_NOISE * noise), 5.0 * spread)
+    noise = np.sqrt(np.mean([np.var(white_noise(run.position), axis=0) for run in runs], axis=0))
+    limit = np.maximum(np.maximum(HOME_COUNTS * lsb, HOME_NOISE * noise), 5.0 * spread)
     away = np.abs(mean) > np.maximum(limit, 1e-12)
     # A machine that sags under a load stays away from its reference; one whose readings are off is
     # driven to it.

@@ -1,7 +1,7 @@
 """Log sets of moves (``kind: mm3a``): planted effects by the empirical law, floors, and wrong input.
 
 The law that moves the arm here is the one hypotheses use, so these tests show that the machinery works,
-not that it finds real effects: ``test_moves_blind.py`` has the physical actuator as truth.
+not that it finds real effects: ``test_mm3a_blind.py`` has the physical actuator as truth.
 """
 
 import json
