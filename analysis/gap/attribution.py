@@ -175,7 +175,12 @@ def _refine(predictor: Predictor, base: Fit | None, retuned: Fit, form: Form) ->
 
 
 def _holds_nothing(found: Fit) -> bool:
-    """Whether one of its effects has no size beyond its own uncertainty, only a shape."""
+    """Whether one of its effects has no size beyond its own uncertainty, only a shape.
+
+    Beside impacts the uncertainty is unknown.
+    """
+    if found.hypothesis.rough:
+        return False
     sizes = {
         key: abs(value) > 2.0 * sd
         for key, value, sd in zip(found.keys, found.values, found.deviation)
@@ -183,7 +188,6 @@ def _holds_nothing(found: Fit) -> bool:
     return any(
         sized and not any(sized)
         for form in found.hypothesis.forms
-        if form.step == 0.0
         for sized in [
             [
                 sizes[form.effect, p.name]

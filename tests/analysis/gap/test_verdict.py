@@ -100,11 +100,14 @@ def test_an_effect_without_size_is_no_effect() -> None:
     form = SimpleNamespace(effect="friction.coulomb", step=0.0, shapes={"width"})
     parameters = [size("level"), size("width")]
     fit: Any = SimpleNamespace(
-        hypothesis=SimpleNamespace(forms=(form,), kept=lambda form: parameters),
+        hypothesis=SimpleNamespace(forms=(form,), rough=False, kept=lambda form: parameters),
         keys=(("friction.coulomb", "level"), ("friction.coulomb", "width")),
         values=(1e-5, 0.02),
         deviation=(1e-4, 1e-3),
     )
     assert _holds_nothing(fit)
     fit.values = (1e-3, 0.02)
+    assert not _holds_nothing(fit)
+    # Beside impacts no parameter has an uncertainty; that is no sign of size zero.
+    fit.hypothesis.rough, fit.deviation = True, (np.nan, np.nan)
     assert not _holds_nothing(fit)
