@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import control, friction
+from . import control, friction, runge_kutta
 
 # Columns of ``Drive.element``, the constants of a friction element.
 (
@@ -224,8 +224,8 @@ def deliver_torques(k: int, command: Any, lag: Any, dt: float, drive: Drive, out
 
 
 def work_arrays(n: int) -> tuple[Any, ...]:
-    """Scratch for ``ode4_step`` with ``n`` shafts."""
-    return np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    """Scratch for ``ode4_step`` with ``n`` shafts: that of ``acceleration`` and that of the step."""
+    return np.zeros(n), runge_kutta.work_arrays(n)
 
 
 def ode4_step(
@@ -235,24 +235,10 @@ def ode4_step(
 
     ``work`` is the scratch of ``work_arrays``.
     """
-    n = q.shape[0]
-    scratch, a, q_stage, v_stage, q_sum, v_sum = work
-    for j in range(n):
-        q_stage[j], v_stage[j] = q[j], v[j]
-        q_sum[j] = v_sum[j] = 0.0
-    for stage in range(4):
-        ahead = 0.0 if stage == 0 else (dt if stage == 3 else 0.5 * dt)
-        acceleration(q_stage, v_stage, held, torque, t + ahead, drive, scratch, a)
-        weight = 2.0 if stage in (1, 2) else 1.0
-        following = dt if stage == 2 else 0.5 * dt
-        for j in range(n):
-            q_sum[j] += weight * v_stage[j]
-            v_sum[j] += weight * a[j]
-            q_stage[j] = q[j] + following * v_stage[j]
-            v_stage[j] = v[j] + following * a[j]
-    for j in range(n):
-        q[j] += dt / 6.0 * q_sum[j]
-        v[j] += dt / 6.0 * v_sum[j]
+    scratch, stages = work
+    runge_kutta.ode4_step(
+        acceleration, q.shape[0], q, v, held, torque, t, dt, drive, scratch, stages
+    )
 
 
 def delayed_command(command: Any, k: int, j: int, delay: float, dt: float) -> float:

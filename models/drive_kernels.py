@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import compilation, control, drive, encoder, friction
+from . import compilation, control, drive, encoder, friction, runge_kutta
 from .drive import Drive
 
-compilation.register_laws(friction, encoder, control, drive)
+compilation.register_laws(friction, encoder, control, runge_kutta, drive)
 
 FEEDBACK = 0
 CASCADE = 1

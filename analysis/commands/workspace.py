@@ -17,7 +17,9 @@ def _machines() -> None:
 
 @app.command("pmc")
 def pmc(
-    out: Annotated[Path, typer.Option(help="Folder for workspace.json, figures and 3-D page.")],
+    out: Annotated[
+        Path, typer.Option(help="Folder for workspace.json, maps.csv, figures and 3-D page.")
+    ],
     grid: Annotated[int, typer.Option(min=2, help="Optimisations a side of each surface.")] = 13,
     workers: Workers = 1,
     cluster: Cluster = None,
@@ -33,7 +35,7 @@ def pmc(
 
     from ...models.pmc.geometry import Geometry
     from ..files import output_folder, write_whole
-    from ..pmc import workspace, workspace_page, workspace_plots
+    from ..pmc import maps, workspace, workspace_page, workspace_plots
 
     folder = output_folder(out)
     with Progress(transient=True) as progress:
@@ -48,11 +50,12 @@ def pmc(
         )
     write_whole(folder / "workspace.json", workspace.dumps(result))
     write_whole(folder / "workspace.html", workspace_page.page(result))
+    write_whole(folder / "maps.csv", maps.table(maps.maps(result.geometry)))
     workspace_plots.draw_all(result, folder)
     if design:
         _optimise_design(folder)
     _print_summary(workspace.findings(result))
-    typer.echo(f"wrote {folder / 'workspace.json'}, workspace.html and figures")
+    typer.echo(f"wrote {folder / 'workspace.json'}, maps.csv, workspace.html and figures")
 
 
 def _optimise_design(folder: Path) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from .effects import Form
 from .fitting import FIRST_STEPS, SCREEN, Predictor, fit
 from .hypothesis import Fit, Hypothesis
+from .pruning import pruned
 from .ranking import Ranked, best_by_ids, rank
 
 MOST_EFFECTS = 3
@@ -20,7 +21,6 @@ LEAST_GAIN = 0.02  # smallest fall of the score worth another effect or another 
 FURTHER_SCREEN = 0.08  # a further effect must lower the loss by more; its price alone asks for 0.18
 NEAR_FLOOR = 1.03  # a residual this close to the floor, as a ratio, leaves nothing to explain
 DONE = 1.1  # nor does one this close call for a richer form of another effect
-IDLE = 1e-3  # a parameter whose loss rises by less than this without it goes at once
 PROMISE = 0.25  # of the fall of a sibling's loss, asked of the start of a search for impacts
 CONTENDER = 1.5  # a search goes on while its residual is within this ratio of the best one's
 REFINED_REACH = 0.1  # of the score above the best one's, up to which a richer form is tried
@@ -40,7 +40,7 @@ def attribute(
     plain = [form for form in forms if not form.refined]
     refined = [form for form in forms if form.refined]
     singles = _add_each(predictor, retuned, plain, progress)
-    singles = [_pruned(predictor, f) for f in best_by_ids(singles)]
+    singles = [pruned(predictor, f) for f in best_by_ids(singles)]
     fits = [retuned, *singles]
     parents = _beam([f for f in sorted(singles, key=lambda f: f.score) if _better(f, retuned)])
     best = parents[0] if parents else retuned
@@ -51,7 +51,7 @@ def attribute(
         children = _grown(predictor, parents, plain, fits, progress)
         if not children:
             break
-        child = _pruned(predictor, children[0])
+        child = pruned(predictor, children[0])
         smaller = _without_each(predictor, child)
         fits += [child, *children[1:], *smaller]
         found = min([child, *smaller], key=lambda f: f.score)
@@ -68,8 +68,9 @@ def attribute(
         if base is None and best.held_out_rms < DONE * floor:
             continue
         progress(f"{form.effect}, {form.name}")
-        fits.append(_pruned(predictor, _refine(predictor, base, retuned, form)))
-    return rank([f for f in fits if f.converged and not _holds_nothing(f)], retuned, seed)
+        fits.append(pruned(predictor, _refine(predictor, base, retuned, form)))
+    claims = [f for f in fits if f.converged and not _holds_nothing(f)]
+    return rank([f.called_by_values() for f in claims], retuned, seed)
 
 
 def _beam(singles: Sequence[Fit]) -> list[Fit]:
@@ -196,34 +197,3 @@ def _holds_nothing(found: Fit) -> bool:
             ]
         ]
     )
-
-
-def _pruned(predictor: Predictor, full: Fit) -> Fit:
-    """Drop removable parameters, least important first, while the score does not get worse."""
-    current = full
-    while True:
-        removable = {
-            (form.effect, name) for form in current.hypothesis.forms for name in form.removable
-        }
-        candidates = [
-            (importance, key)
-            for importance, key in zip(current.importance, current.keys)
-            if key in removable
-        ]
-        candidates = [c for c in candidates if _may_go(c[1], candidates)]
-        if not candidates:
-            return current
-        smaller = current.hypothesis.drop(min(candidates)[1])
-        for importance, key in sorted(candidates)[1:]:
-            left = [c for c in candidates if (c[1] not in smaller.dropped)]
-            if importance < IDLE and _may_go(key, left):
-                smaller = smaller.drop(key)
-        trial = fit(predictor, smaller, current)
-        if trial.score > current.score:
-            return current
-        current = trial
-
-
-def _may_go(key: tuple[str, str], candidates: Sequence[tuple[float, tuple[str, str]]]) -> bool:
-    """Whether its effect would keep another removable parameter."""
-    return any(other[0] == key[0] and other != key for _, other in candidates)

@@ -70,7 +70,7 @@ class CarrierMachine(Machine):
     home: Array  # (4,) joints at motor angles zero [m, rad]
     middle: Array  # (4,) joints in the middle of the logged motion
     elements: tuple[str, ...] = ELEMENTS
-    viscous_own: tuple[str, ...] = (*(f"beta_{m}" for m in MOTORS), "gamma")
+    viscous_own: tuple[str, ...] = (*(f"beta_{m}" for m in MOTORS), "gamma", "gamma")
     ripples: Mapping[str, float]  # spatial frequencies [1/rad] by the name of a period
 
     def build(self, values: Mapping[str, float]) -> CarrierPlant:

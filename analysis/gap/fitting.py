@@ -198,7 +198,7 @@ def _search(
     finished = True
     for start in _starts(problem, parent):
         residual, jac = problem.linearised(start, parent)
-        step = _linear_step(jac, residual, start, bounds)
+        step = linear_step(jac, residual, start, bounds)
         predicted = float(np.sum((residual + jac @ step) ** 2))
         found = [(start, jac)]
         if parent is not None and predicted > (1.0 - screen) * parent.rms**2 * residual.size:
@@ -288,7 +288,7 @@ def _simplex_search(
     return inside(solution.x), float(solution.fun)
 
 
-def _linear_step(jac: Array, residual: Array, x: Array, bounds: tuple[Array, Array]) -> Array:
+def linear_step(jac: Array, residual: Array, x: Array, bounds: tuple[Array, Array]) -> Array:
     """Minimiser of the linearised residual inside the bounds, as a step from ``x``."""
     if x.size == 0:
         return np.zeros(0)

@@ -1,7 +1,7 @@
 """Hypotheses: the nominal structure with the forms of some effects added."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -51,6 +51,12 @@ class Hypothesis:
     def free(self, machine: Machine) -> list[tuple[str, Parameter]]:
         """Free parameters as (effect id or "", parameter); own parameters first."""
         replaced = {name for form in self.forms for name in form.replaces}
+        replaced |= {
+            form.takes[p.name]
+            for form in self.forms
+            for p in self.kept(form)
+            if p.name in form.takes
+        }
         own = [("", p) for p in machine.own if p.name not in replaced and p.upper > p.lower]
         return own + [(form.effect, p) for form in self.forms for p in self.kept(form)]
 
@@ -128,6 +134,28 @@ class Fit:
         change = retuned.residual - self.residual
         size = float(np.linalg.norm(change) * np.linalg.norm(retuned.residual))
         return float(change @ retuned.residual) / size if size > 0.0 else 0.0
+
+    def called_by_values(self) -> "Fit":
+        """This fit with each form that its values make one of another effect called by that effect."""
+        known, found = self.by_key(), self
+        for form in self.hypothesis.forms:
+            values = {p.name: known.get((form.effect, p.name), 0.0) for p in form.parameters}
+            other = form.amounts_to(values)
+            if other is not None and other.effect not in found.hypothesis.ids:
+                found = found._with_names_of(form, other)
+        return found
+
+    def _with_names_of(self, form: Form, other: Form) -> "Fit":
+        names = {
+            (form.effect, mine.name): (other.effect, its.name)
+            for mine, its in zip(form.parameters, other.parameters, strict=True)
+        }
+        hypothesis = Hypothesis(
+            forms=tuple(other if f is form else f for f in self.hypothesis.forms),
+            dropped=frozenset(names.get(key, key) for key in self.hypothesis.dropped),
+        )
+        keys = tuple(names.get(key, key) for key in self.keys)
+        return replace(self, hypothesis=hypothesis, keys=keys)
 
     @property
     def score(self) -> float:

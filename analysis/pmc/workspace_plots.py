@@ -9,17 +9,15 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
-from ...models.c_drive import CDriveParameters
-from ...models.pmc import kinematics
 from ...models.pmc.cycle import IndustryCycle
 from ...models.pmc.geometry import Geometry
 from ..files import write_whole
-from . import reach, transmission
-from .workspace import Study, centred_posture
+from . import map_plots, reach
+from .workspace import Study
 
 Floats = NDArray[np.float64]
 # Okabe and Ito's colours, told apart by all.
-BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#666666"
+BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
 
 
 def draw_all(result: Study, folder: Path) -> list[Path]:
@@ -27,10 +25,8 @@ def draw_all(result: Study, folder: Path) -> list[Path]:
     figures = {
         "reachable_workspace.png": reachable_workspace(result),
         "rotatability.png": rotatability(result.geometry),
-        "rotation_at_height.png": rotation_at_height(result.geometry),
-        "conditioning.png": conditioning(result.geometry),
-        "transmission.png": turning_transmission(result.geometry),
         "industry_cycle.png": industry_cycle(result),
+        **map_plots.figures(result.geometry),
     }
     for name, figure in figures.items():
         image = BytesIO()
@@ -80,67 +76,6 @@ def rotatability(geometry: Geometry) -> Figure:
     return figure
 
 
-def rotation_at_height(geometry: Geometry) -> Figure:
-    """At which height can the PM still turn, along the diagonal x = y?"""
-    figure = Figure(figsize=(7.2, 4.6), layout="constrained")
-    axes = figure.subplots()
-    x = np.linspace(geometry.carriage_min, geometry.carriage_max, 181)
-    low, high = reach.reachable_surfaces(x, x, geometry)
-    z = np.linspace(low.min() - 0.01, high.max() + 0.01, 201)
-    turns = reach.rotatability(x[None, :], x[None, :], z[:, None], geometry) / (2 * np.pi)
-    inside = (z[:, None] >= low) & (z[:, None] <= high)
-    filled = axes.contourf(
-        1e3 * x,
-        1e3 * z,
-        np.where(inside, turns, np.nan),
-        levels=np.linspace(0.0, geometry.turns, 9),
-        cmap="cividis",
-    )
-    figure.colorbar(filled, label="rotation available [turns]")
-    axes.plot(1e3 * x, 1e3 * low, color=GREY)
-    axes.plot(1e3 * x, 1e3 * high, color=GREY)
-    axes.set(xlabel="x = y [mm]", ylabel="z [mm]", title="Rotation available along the diagonal")
-    return figure
-
-
-def conditioning(geometry: Geometry) -> Figure:
-    """How far is the robot from isotropy along the diagonal x = y, PM centred?"""
-    x, z, poses, joints = _diagonal(geometry)
-    figure = Figure(figsize=(7.2, 4.6), layout="constrained")
-    axes = figure.subplots()
-    value = kinematics.condition_number(poses, joints, geometry)
-    levels = np.linspace(1.0, value.max(), 16)
-    filled = axes.contourf(1e3 * x, 1e3 * z, value, levels=levels, cmap="cividis")
-    figure.colorbar(filled, label="condition number [-]", format="%.2f")
-    isotropic = kinematics.isotropic_pose(geometry)
-    axes.plot(1e3 * isotropic[0], 1e3 * isotropic[2], "o", color="white", mec="black")
-    axes.annotate(
-        "isotropic",
-        (1e3 * isotropic[0], 1e3 * isotropic[2]),
-        xytext=(8, 8),
-        textcoords="offset points",
-        color="white",
-    )
-    axes.set(xlabel="x = y [mm]", ylabel="z [mm]", title="Condition number, PM centred")
-    return figure
-
-
-def turning_transmission(geometry: Geometry) -> Figure:
-    """Where is turning the gripper hardest for the motors?"""
-    x, z, poses, joints = _diagonal(geometry)
-    torque = transmission.turning_torque(poses, joints, geometry, CDriveParameters().lead)
-    figure = Figure(figsize=(7.2, 4.6), layout="constrained")
-    axes = figure.subplots()
-    filled = axes.contourf(1e3 * x, 1e3 * z, torque, levels=15, cmap="cividis")
-    figure.colorbar(filled, label="motor torque per gripper torque [N m / N m]")
-    axes.set(
-        xlabel="x = y [mm]",
-        ylabel="z [mm]",
-        title="Largest motor torque to turn the gripper, PM centred",
-    )
-    return figure
-
-
 def industry_cycle(result: Study) -> Figure:
     """Does the industry's cycle fit, seen along its own plane?"""
     placement, slacks = result.cycles[0]
@@ -177,16 +112,6 @@ def industry_cycle(result: Study) -> Figure:
     )
     axes.legend(loc="lower right")
     return figure
-
-
-def _diagonal(geometry: Geometry) -> tuple[Floats, Floats, Floats, Floats]:
-    """Positions over x = y and the whole height with the PM centred: x, z, poses, joints (n, m, ...)."""
-    x = np.linspace(geometry.carriage_min, geometry.carriage_max, 121)
-    low, high = reach.turning_surfaces(x, x, 0.0, geometry)
-    share = np.linspace(0.0, 1.0, 101)[:, None]
-    z = low + share * (high - low)
-    wide = np.broadcast_to(x, z.shape)
-    return wide, z, *centred_posture(wide, wide, z, geometry)
 
 
 def _axes3d(figure: Figure, place: int, title: str) -> Any:

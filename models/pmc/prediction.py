@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .. import compilation, drive, encoder, friction
+from .. import compilation, drive, encoder, friction, runge_kutta
 from .. import control as drive_control
 from .. import drive_kernels as kernels
 from ..drive import Drive
@@ -32,7 +32,16 @@ from .dynamics import Constants
 from .parameters import PMCParameters
 
 compilation.register_laws(
-    friction, encoder, drive, drive_control, limb, displacement, dynamics, control, simulation
+    friction,
+    encoder,
+    runge_kutta,
+    drive,
+    drive_control,
+    limb,
+    displacement,
+    dynamics,
+    control,
+    simulation,
 )
 
 MOTORS = ("L1", "R1", "L2", "R2")
@@ -83,14 +92,14 @@ class State(NamedTuple):
     held: Any  # (6,) their forces [N m]
     lag: Any  # (2, 4) states of the actuators [N m]
     torque: Any  # (4,) delivered [N m]
-    stages: Any  # (6, 6) of the Runge-Kutta step
+    stages: Any  # (5, 6) of the Runge-Kutta step
     motor: Any  # (3, 4) angles, speeds and net torques of the motors
 
 
 def accelerations(
-    w: Any, v: Any, t: float, plant: Carrier, held: Any, torque: Any, motor: Any, out: Any
+    w: Any, v: Any, held: Any, torque: Any, t: float, plant: Carrier, motor: Any, out: Any
 ) -> None:
-    """Accelerations ``out`` (6,) of joints and drive sides, laws (1) and (2)."""
+    """Accelerations ``out`` (6,) of joints and drive sides, laws (1) and (2), as ``runge_kutta`` asks for them."""
     angle, speed, net = motor
     for i in range(4):
         angle[i] = speed[i] = 0.0
@@ -139,28 +148,6 @@ def coupling(i: int, w: Any, v: Any, law: Drive) -> Any:
         law.coupling[i, drive.COUPLING_DAMPING],
         law.coupling[i, drive.GAP],
     )
-
-
-def step(state: State, t: float, dt: float, plant: Carrier) -> None:
-    """One classical Runge-Kutta step in place, torque and bristle forces constant over it."""
-    w, v = state.w, state.v
-    w_stage, v_stage, w_sum, v_sum, a, _ = state.stages
-    for j in range(STATES):
-        w_stage[j], v_stage[j] = w[j], v[j]
-        w_sum[j] = v_sum[j] = 0.0
-    for stage in range(4):
-        ahead = 0.0 if stage == 0 else (dt if stage == 3 else 0.5 * dt)
-        accelerations(w_stage, v_stage, t + ahead, plant, state.held, state.torque, state.motor, a)
-        weight = 2.0 if stage in (1, 2) else 1.0
-        following = dt if stage == 2 else 0.5 * dt
-        for j in range(STATES):
-            w_sum[j] += weight * v_stage[j]
-            v_sum[j] += weight * a[j]
-            w_stage[j] = w[j] + following * v_stage[j]
-            v_stage[j] = v[j] + following * a[j]
-    for j in range(STATES):
-        w[j] += dt / 6.0 * w_sum[j]
-        v[j] += dt / 6.0 * v_sum[j]
 
 
 def first_gains(k: int, dt: float) -> tuple[float, float]:
@@ -247,7 +234,19 @@ def _advance(k: int, state: State, command: Any, plant: Carrier, dt: float, subs
             for j in range(4):
                 speed[i] += plant.motor_map[i, j] * state.v[j if j < 2 else j + 2]
         drive.held_friction(speed, state.bristles, h, plant.drive, state.held)
-        step(state, k * dt + part * h, h, plant)
+        runge_kutta.ode4_step(
+            accelerations,
+            STATES,
+            state.w,
+            state.v,
+            state.held,
+            state.torque,
+            k * dt + part * h,
+            h,
+            plant,
+            state.motor,
+            state.stages,
+        )
 
 
 @compilation.kernel
@@ -272,6 +271,6 @@ def _at_rest(angle: Any, command: Any, plant: Carrier) -> State:
         np.zeros(STATES),
         lag,
         np.zeros(4),
-        np.zeros((6, STATES)),
+        np.zeros((5, STATES)),
         np.zeros((3, 4)),
     )

@@ -1,7 +1,7 @@
 """What an effect is: an id of the catalogue and one or more mathematical forms to fit."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -67,7 +67,7 @@ class ShaftMachine(Protocol):
 
     @property
     def viscous_own(self) -> tuple[str, ...]:
-        """Own parameters that are viscous friction of the elements."""
+        """Own parameter that is the viscous friction of each element."""
 
     @property
     def ripples(self) -> Mapping[str, float]:
@@ -94,7 +94,9 @@ class Form:
     ``apply`` changes a plant by the values of ``parameters``; a value left out is zero, no effect.
     Parameters in ``removable`` may be dropped one by one when the data do not need them.
     ``replaces`` names own parameters of the machine that stay at their nominal value because the form
-    takes their place.
+    takes their place; ``takes`` those whose place one of its parameters takes where it is not dropped.
+    ``amounts_to`` says which form of another effect, with as many parameters in the same order, some values make
+    of it, or None.
     """
 
     effect: str
@@ -104,6 +106,7 @@ class Form:
     where: Callable[[Sequence[str]], dict[str, Any]]
     removable: frozenset[str] = frozenset()
     replaces: frozenset[str] = frozenset()
+    takes: Mapping[str, str] = field(default_factory=dict)  # own parameters by parameter
     shapes: frozenset[str] = frozenset()  # parameters that matter only once others are not zero
     family: str = ""  # forms of one family describe the same contact and never act together
     own_start: bool = False  # values of the effect's other forms mean something else here
@@ -112,6 +115,7 @@ class Form:
     contains: frozenset[str] = frozenset()  # effects that it is at the edge of its parameters
     price: float = 0.0  # further fall of the log residual asked of a form that is rarely the reason
     step: float = 0.0  # finite-difference step in parameter scales, where the default is too fine
+    amounts_to: "Callable[[Values], Form | None]" = lambda values: None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -87,7 +87,7 @@ def _passive_viscous() -> Form:
         apply=apply,
         where=at("joints", "viscous_"),
         removable=frozenset(p.name for p in free),
-        replaces=frozenset({"elbow_damping", "wrist_damping"}),
+        takes={f"viscous_{j}": f"{j}_damping" for j in PASSIVE},
         own_start=True,
     )
 

@@ -1,7 +1,11 @@
 """Dry friction that falls with speed before viscous friction makes it rise."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
+import numpy as np
+
+from ....models import friction
 from ....models.drive import BREAKAWAY, STRIBECK_SPEED
 from ..machine import Parameter
 from .base import (
@@ -25,6 +29,9 @@ from .dry_friction import (
     width_parameter,
 )
 
+# A fitted law that falls by less than this share of its level only rounds the corner of dry friction.
+LEAST_FALL = 0.05
+
 
 def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     """Levels, what breakaway adds to them as a share, and the speed over which that decays.
@@ -42,7 +49,12 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
         starts=(0.1 * scales.rate, 0.3 * scales.rate),
     )
 
-    def form(name: str, shape: Parameter, law: Callable[[ShaftPlant, Values], None]) -> Form:
+    def form(
+        name: str,
+        shape: Parameter,
+        law: Callable[[ShaftPlant, Values], None],
+        falls: Callable[[Values], float],
+    ) -> Form:
         def apply(plant: ShaftPlant, values: Values) -> None:
             law(plant, values)
             for i, e in enumerate(machine.elements):
@@ -50,7 +62,7 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
                 plant.drive.element[i, BREAKAWAY] += extra
                 plant.drive.element[i, STRIBECK_SPEED] = values["stribeck_speed"]
 
-        return Form(
+        falling = Form(
             effect=EFFECT.id,
             name=name,
             parameters=(*levels, share, speed, shape),
@@ -63,12 +75,48 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
             price=RARE,
             refined=shape.name == "travel",
         )
+        rounded = _corner_of_its_own(falling)
+        return replace(
+            falling, amounts_to=lambda values: None if falls(values) > LEAST_FALL else rounded
+        )
 
     width, travel = width_parameter(machine, scales), travel_parameter(machine, scales)
     return [
-        form("Gaussian decay", width, apply_smooth_sign(machine, scales)),
-        form("LuGre", travel, apply_bristles(machine, scales)),
+        form("Gaussian decay", width, apply_smooth_sign(machine, scales), fall),
+        form(
+            "LuGre",
+            travel,
+            apply_bristles(machine, scales),
+            lambda values: values["breakaway_share"],
+        ),
     ]
+
+
+def fall(values: Values) -> float:
+    """How far the smoothed law (4) of ``friction`` falls from its peak to its sliding level, as a share of that."""
+    width, decay = values["width"], values["stribeck_speed"]
+    speed = np.linspace(0.0, 5.0 * max(width, decay), 2001)
+    law = friction.dry(speed, 1.0, 1.0, values["breakaway_share"], decay, width)
+    return float(max(law.max() - 1.0, 0.0))
+
+
+def _corner_of_its_own(falling: Form) -> Form:
+    """The same law as a form of dry friction: where it does not fall, it shapes the corner at standstill."""
+    (effect,) = DRY_FRICTION
+    names = {"breakaway_share": "corner_share", "stribeck_speed": "corner_speed"}
+
+    def apply(plant: ShaftPlant, values: Values) -> None:
+        falling.apply(plant, {**values, **{old: values[new] for old, new in names.items()}})
+
+    return replace(
+        falling,
+        effect=effect,
+        name="corner of its own shape",
+        parameters=tuple(replace(p, name=names.get(p.name, p.name)) for p in falling.parameters),
+        apply=apply,
+        shapes=frozenset(names.get(name, name) for name in falling.shapes),
+        contains=frozenset(),
+    )
 
 
 EFFECT = Effect(

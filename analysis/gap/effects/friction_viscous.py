@@ -32,7 +32,7 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
             apply=apply,
             where=at("elements", "viscous_"),
             removable=frozenset(p.name for p in free),
-            replaces=frozenset(machine.viscous_own),
+            takes={p.name: own for p, own in zip(extra, machine.viscous_own, strict=True)},
             refined=refined,
             price=RARE if refined else 0.0,
         )

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from gapscope.analysis.cli import app
-from gapscope.analysis.pmc import cycle_fit, inscribed, optimum, reach, transmission
+from gapscope.analysis.pmc import cycle_fit, inscribed, maps, optimum, reach, transmission
 from gapscope.models.pmc import kinematics
 from gapscope.models.pmc.cycle import IndustryCycle
 from gapscope.models.pmc.geometry import Geometry
@@ -69,6 +69,30 @@ def test_turning_torque_peaks_in_the_middle_of_the_height(found):
     """Section 5.2.2: the central vertical region needs the largest torques; at the isotropic height."""
     peaks = found["conditioning"]["central_axis"]["peak_heights_m"]
     assert peaks == pytest.approx([-0.3], abs=0.015)
+
+
+def test_maps_are_written_over_the_whole_workspace(written):
+    """The share of a regular grid that lies inside is the volume; the most even point is the isotropic posture."""
+    table = np.genfromtxt(written / "maps.csv", delimiter=",", names=True)
+    found = maps.maps(PROTOTYPE)
+    cell = (0.216 / 40) ** 2 * (found.z[1] - found.z[0])
+    at_edge = sum(np.isclose(table[f"{axis}_m"], end) for axis in "xy" for end in (0.191, 0.407))
+    volume = (0.5**at_edge).sum() * cell
+    # Points at the surfaces count whole: one layer of 25 is uncertain.
+    assert volume == pytest.approx(0.02086, rel=0.03)
+    assert table["rotation_rad"].max() == pytest.approx(4.0 * np.pi, rel=1e-5)  # six digits
+    best = table[np.nanargmin(table["condition_number"])]
+    pose = [best["x_m"], best["y_m"], best["z_m"]]
+    assert pose == pytest.approx(kinematics.isotropic_pose(PROTOTYPE)[:3], abs=0.03)
+
+
+def test_maps_are_those_of_each_posture():
+    found = maps.maps(PROTOTYPE, n=5, heights=np.array([-0.25]))
+    pose = np.array([found.x[1], found.x[3], -0.25, PROTOTYPE.centre_angle])
+    joints = kinematics.inverse(pose, PROTOTYPE)
+    assert found.condition[0, 1, 3] == kinematics.condition_number(pose, joints, PROTOTYPE)
+    assert found.error[0, 1, 3] == transmission.turning_error(pose, joints, PROTOTYPE)
+    assert found.rotation[0, 1, 3] == reach.rotatability(*pose[:3], PROTOTYPE)
 
 
 def test_kkt_residual_sees_a_point_that_is_no_optimum():

@@ -121,7 +121,7 @@ def test_dry_friction_slows_the_joints_down():
     def power(carrier):
         out, motor = np.zeros(6), np.zeros((3, 4))
         both = np.append(w, w[2:]), np.append(v, v[2:])
-        prediction.accelerations(*both, 0.0, carrier, np.zeros(6), np.zeros(4), motor, out)
+        prediction.accelerations(*both, np.zeros(6), np.zeros(4), 0.0, carrier, motor, out)
         force = dynamics.inverse_dynamics(w, v, out[:4], constants.of(PROTOTYPE))
         return np.array(force) @ v
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from gapscope.models import c_drive, motion
 from gapscope.models.pmc import kinematics, limits
 from gapscope.models.pmc.geometry import Geometry
 
@@ -79,6 +80,15 @@ def test_ours_is_accurate_where_2_13_cancels():
     assert np.abs(again - pose)[:3].max() < 1e-15
 
 
+def test_misprint_2_3_pitch_of_the_wrong_screw():
+    """J'J is p_c^2 / (8 pi^2) times 1: the printed p is the pitch of the gripper's screws, 355 times too small."""
+    lead = 0.060
+    square = c_drive.jacobian(lead).T @ c_drive.jacobian(lead)
+    assert square == pytest.approx(lead**2 / (8.0 * np.pi**2) * np.eye(2))
+    printed = P**2 / (8.0 * np.pi**2)
+    assert square[0, 0] / printed == pytest.approx((2.0 * np.pi * 60.0 / 20.0) ** 2)
+
+
 def test_misprint_2_10b_sign_of_b0():
     """With q_1z = z - b0 + p phi, q_2z = z + b0 - p phi most working postures have no solution."""
     poses = kinematics.forward(working_joints(20_000, seed=22), PROTOTYPE)
@@ -125,3 +135,15 @@ def test_explicit_forms_2_27_and_2_28d_are_right():
     assert poses[:, 2] == pytest.approx(0.5 * R * (first + second), abs=1e-14)
     printed_phi = R / (2.0 * P) * (first - second - 2.0 * B0 / R)
     assert poses[:, 3] == pytest.approx(printed_phi, abs=1e-11)
+
+
+def test_misprint_5_4b_half_of_the_cycle():
+    """With t = tau t_max the motor turns back half way, at full speed; with t = tau t_max / 2 it comes to rest at alpha."""
+    program = motion.c_drive_motion("translation", rate=2.0)
+    turn = 0.5 / program.rate
+    angle, speed, _ = program.sample(turn)
+    assert angle == pytest.approx([program.amplitude_L, program.amplitude_R])
+    assert np.abs(speed).max() < 1e-9
+    share, slope, _ = motion.polynomial_4567(turn * program.rate)
+    assert share == pytest.approx(0.5)
+    assert slope > 2.0
