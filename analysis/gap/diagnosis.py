@@ -401,6 +401,9 @@ def _shrinkage_json(s: Shrinkage, loops: dict[str, Any]) -> dict[str, Any]:
         "floor": s.floor,
         "percent": s.percent,
         "ci95": list(s.ci95) if s.ci95 else None,
+        "intervals_ci95": {
+            name: None if ends is None else list(ends) for name, ends in s.intervals.items()
+        },
         "rms_command": s.relative_to_command,
         "floor_source": s.floor_source,
         "runs": list(s.runs),

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 NOISE_BAND = 0.4  # share of the Nyquist frequency above which only the encoder's noise is expected
+MEASURED = "cycle-to-cycle repeatability"
 NO_CYCLES = "the runs hold no repeated cycles"
 SEGMENT = 256  # samples of a Welch segment
 
@@ -124,7 +125,7 @@ def repeatability_floor(
         repeated = repeatability(residual, run.period) if run.period else None
         floors.append(np.zeros((1, residual.shape[1])) if repeated is None else repeated)
     if any(run.period for run in runs):
-        return floors, "cycle-to-cycle repeatability"
+        return floors, MEASURED
     return floors, NO_CYCLES
 
 
@@ -146,7 +147,7 @@ def noise_floor(
             found.add("encoder resolution, which exceeds the cycle-to-cycle repeatability")
             floors.append(encoder * _uncorrelated_signs(residual))
         else:
-            found.add("cycle-to-cycle repeatability")
+            found.add(MEASURED)
             floors.append(repeated)
     return floors, " and ".join(sorted(found))
 

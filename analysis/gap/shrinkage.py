@@ -1,16 +1,20 @@
 """How far the gap shrinks, on runs that were never used to fit or to choose."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .fitting import Predictor
+from .floor import MEASURED
 from .hypothesis import Fit, Hypothesis
-from .machine import Array, Machine, RunData, rms
+from .machine import Array, Machine, RunData
 
 BLOCKS = 20  # per run
 RESAMPLES = 1000
+LEVELS = ("before", "retuned", "after", "floor")
+Interval = tuple[float, float]
 SURE = 1.05  # ratio to the floor from which on there is a gap to take a share of
 
 
@@ -25,6 +29,7 @@ class Shrinkage:
     floor: float
     percent: float | None
     ci95: tuple[float, float] | None
+    intervals: Mapping[str, Interval | None]  # 95 %, of before, retuned, after and floor
     relative_to_command: float  # rms command on the same samples
     floor_source: str
     runs: tuple[str, ...]
@@ -38,10 +43,11 @@ def shrinkage(
     chosen: Fit,
     seed: int,
 ) -> Shrinkage:
-    """Before, retuned, after and floor, with a block-bootstrap interval of the percent.
+    """Before, retuned, after and floor, each and the percent with a block-bootstrap interval.
 
     ``logged`` are the validation runs as they came, ``runs`` the same with wrong signals corrected:
-    before is the nominal model on the former, all else is on the latter.
+    before is the nominal model on the former, all else is on the latter. A floor that was not measured
+    from repeated cycles has no interval.
     """
     nominal = machine.nominal()
     names = tuple(("", name) for name in nominal)
@@ -52,13 +58,12 @@ def shrinkage(
     tuned = predictor.residuals(retuned.hypothesis, [retuned.values], retuned.keys)[0]
     after = predictor.residuals(chosen.hypothesis, [chosen.values], chosen.keys)[0]
     floors, source = machine.floor(runs, after)
-    parts = [
-        _blocks([machine.unexplained(r, run) for r, run in zip(kind, runs)])
-        for kind in (raw, tuned, after)
-    ]
-    floor = rms([machine.unexplained(f, run) for f, run in zip(floors, runs)])
-    before, retuned_rms, after_rms = (_rms(energy, count) for energy, count in parts)
-    percent, interval = _percent(parts[0], parts[2], floor, seed)
+    parts = {
+        name: _blocks([machine.unexplained(r, run) for r, run in zip(kind, runs)])
+        for name, kind in zip(LEVELS, (raw, tuned, after, floors))
+    }
+    before, retuned_rms, after_rms, floor = (_rms(*part) for part in parts.values())
+    percent, interval = _percent(parts["before"], parts["after"], floor, seed)
     command = np.concatenate([run.command[run.window].ravel() for run in runs])
     return Shrinkage(
         metric=machine.metric,
@@ -68,6 +73,12 @@ def shrinkage(
         floor=floor,
         percent=percent,
         ci95=interval,
+        intervals={
+            name: None
+            if name == "floor" and not source.startswith(MEASURED)
+            else _interval(*part, seed)
+            for name, part in parts.items()
+        },
         relative_to_command=float(np.sqrt(np.mean(command**2))),
         floor_source=source,
         runs=tuple(run.name for run in runs),
@@ -79,10 +90,8 @@ def _percent(
 ) -> tuple[float | None, tuple[float, float] | None]:
     """100 (before - after) / (before - floor) and its interval; None where no gap surely is there."""
     top = _rms(*before)
-    rng = np.random.default_rng(seed)
-    draws = rng.integers(0, len(before[0]), (RESAMPLES, len(before[0])))
-    b = np.sqrt(before[0][draws].sum(axis=1) / before[1][draws].sum(axis=1))
-    a = np.sqrt(after[0][draws].sum(axis=1) / after[1][draws].sum(axis=1))
+    draws = _draws(len(before[0]), seed)
+    b, a = _resampled(*before, draws), _resampled(*after, draws)
     if min(top, float(np.quantile(b, 0.025))) <= SURE * floor:
         return None, None
     sampled = 100.0 * (b - a) / np.maximum(b - floor, (SURE - 1.0) * floor)
@@ -90,8 +99,23 @@ def _percent(
     return float(100.0 * (top - _rms(*after)) / (top - floor)), (float(low), float(high))
 
 
+def _interval(energy: Array, count: Array, seed: int) -> Interval:
+    """95 % interval of the rms."""
+    sampled = _resampled(energy, count, _draws(len(energy), seed))
+    low, high = np.quantile(sampled, [0.025, 0.975])
+    return float(low), float(high)
+
+
+def _draws(blocks: int, seed: int) -> NDArray[np.int64]:
+    return np.random.default_rng(seed).integers(0, blocks, (RESAMPLES, blocks))
+
+
+def _resampled(energy: Array, count: Array, draws: NDArray[np.int64]) -> Array:
+    return np.asarray(np.sqrt(energy[draws].sum(axis=1) / count[draws].sum(axis=1)))
+
+
 def _blocks(values: Sequence[Array]) -> tuple[Array, Array]:
-    pieces = [p for v in values for p in np.array_split(v, BLOCKS, axis=0)]
+    pieces = [p for v in values for p in np.array_split(v, min(BLOCKS, len(v)), axis=0)]
     return np.array([np.sum(p**2) for p in pieces]), np.array([float(p.size) for p in pieces])
 
 

@@ -4,6 +4,7 @@ from rich.console import Console
 from rich.table import Table
 
 from .diagnosis import Diagnosis
+from .shrinkage import LEVELS, Interval
 
 ROWS = 6
 
@@ -23,13 +24,15 @@ def print_diagnosis(console: Console, diagnosis: Diagnosis) -> None:
         )
     console.print(table)
     s = diagnosis.shrinkage
-    console.print(
-        f"{s.metric}: before {s.before:.3g}, retuned {s.retuned:.3g}, after {s.after:.3g}, "
-        f"floor {s.floor:.3g}"
-    )
+    levels = (f"{name} {getattr(s, name):.3g}{_between(s.intervals[name])}" for name in LEVELS)
+    console.print(f"{s.metric}: {', '.join(levels)}", highlight=False)
     if s.percent is not None and s.ci95 is not None:
         console.print(
             f"gap removed: {s.percent:.1f} % (95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f} %)"
         )
     for warning in diagnosis.warnings:
         console.print(f"[yellow]note[/yellow]: {warning}")
+
+
+def _between(ends: Interval | None) -> str:
+    return "" if ends is None else f" ({ends[0]:.3g} to {ends[1]:.3g})"

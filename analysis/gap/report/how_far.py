@@ -2,8 +2,9 @@
 
 from typing import Any
 
+from ..shrinkage import Shrinkage
 from .base import Material, Section, rms
-from .words import number, percent
+from .words import digits_of, interval, number, percent
 
 
 def context(material: Material) -> dict[str, Any]:
@@ -11,34 +12,41 @@ def context(material: Material) -> dict[str, Any]:
     d = material.diagnosis
     s, unit = d.shrinkage, d.machine.effort_unit
     models = (
-        ("before", "nominal model", s.before),
-        ("retuned", "retuned inside its tolerance", s.retuned),
+        ("before", "before: nominal model"),
+        ("retuned", "retuned inside its tolerance"),
         (
             "after",
-            "with the accepted effects" if d.verdict.accepted else "after the diagnosis",
-            s.after,
+            f"after: {'with the accepted effects' if d.verdict.accepted else 'the diagnosis'}",
         ),
     )
-    rows = [_row(label, value, s.relative_to_command, unit) for _, label, value in models]
-    rows.append(_row("noise floor", s.floor, s.relative_to_command, unit))
+    rows = [_row(key, label, s, unit) for key, label in (*models, ("floor", "noise floor"))]
     return {
         "metric": s.metric,
         "rows": rows,
         "percent": None if s.percent is None else f"{s.percent:.1f}",
         "ci95": None if s.ci95 is None else f"{s.ci95[0]:.1f} to {s.ci95[1]:.1f}",
         "floor_source": s.floor_source,
+        "floor_measured": s.intervals["floor"] is not None,
         "below_floor": s.after < s.floor,
         "loops": [_loop(label, d.closed_loop.get(key), d.machine.position_unit)
-                  for key, label, _ in models],
+                  for key, label in models],
         "position_unit": d.machine.position_unit,
         "runs": _by_run(material, unit),
         "corrected": bool(d.findings),
     }  # fmt: skip
 
 
-def _row(label: str, value: float, command: float, unit: str) -> dict[str, str]:
+def _row(key: str, label: str, s: Shrinkage, unit: str) -> dict[str, str]:
+    """A level in the unit of the effort, its interval, and as a share of the command."""
+    value, ends, command = getattr(s, key), s.intervals[key], s.relative_to_command
     share = value / command if command > 0.0 else None
-    return {"label": label, "value": number(value, unit), "relative": percent(share, 1)}
+    digits = 3 if ends is None else digits_of(value, 0.5 * (ends[1] - ends[0]))
+    return {
+        "label": label,
+        "value": number(value, unit, digits),
+        "interval": "–" if ends is None else interval(ends, unit),
+        "relative": percent(share, 1),
+    }
 
 
 def _loop(label: str, result: dict[str, float] | None, unit: str) -> dict[str, str]:

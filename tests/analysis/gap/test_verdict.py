@@ -24,6 +24,7 @@ def held_out(**changes: Any) -> Shrinkage:
         floor=1.0,
         percent=None,
         ci95=None,
+        intervals={},
         relative_to_command=1.0,
         floor_source="cycle-to-cycle repeatability",
         runs=("v.csv",),

@@ -133,6 +133,18 @@ def test_verdict_comes_first_and_says_effect_place_confidence_and_how_far(diagno
     assert "at the end of its range" not in said
 
 
+def test_how_far_has_an_interval_beside_each_measured_level(diagnosed, page):
+    s = diagnosed["friction"].shrinkage
+    assert s.after < s.retuned <= s.before
+    for level in ("before", "retuned", "after"):
+        low, high = s.intervals[level]
+        assert low < getattr(s, level) < high
+        assert f"{words.interval((low, high), 'N m')}" in page
+    assert (s.intervals["floor"] is None) == ("resolution" in s.floor_source)
+    for name, ends in diagnosed["friction"].to_json()["shrinkage"]["intervals_ci95"].items():
+        assert ends == (None if s.intervals[name] is None else list(s.intervals[name]))
+
+
 def test_every_hypothesis_is_ranked_with_a_reason(diagnosed, page):
     said = Outline(page).words
     for ranked in diagnosed["friction"].ranking:
