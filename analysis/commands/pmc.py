@@ -101,20 +101,27 @@ def flaws(
     only: Annotated[
         list[str] | None, typer.Option(help="A flaw to try, all by default; may be repeated.")
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Draws the robot's deviations.")] = 0,
+    seed: Annotated[
+        list[int] | None,
+        typer.Option(min=0, help="Draws the robot's deviations, 50 by default; may be repeated."),
+    ] = None,
     workers: Workers = 1,
     cluster: Cluster = None,
 ) -> None:
     """PepperMill-Carrier: diagnose logs of an independent robot with flaws the diagnosis is not told.
 
-    Writes a log set and diagnosis.json for each, flaws.json and flaws.md. Finished flaws are kept in OUT/.done.
+    Writes a log set and diagnosis.json for each, flaws.json and flaws.md. Finished flaws are kept in OUT/.done;
+    a run that was interrupted goes on where it stopped.
     """
     import json
 
-    from rich.progress import Progress
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+    from rich.table import Table
 
     from ..errors import InputError
     from ..files import output_folder, write_whole
+    from ..pmc import flaw_report
     from ..pmc import flaws as study
     from ..resumable import resumable_map
 
@@ -123,16 +130,26 @@ def flaws(
         if name not in study.FLAWS:
             raise InputError("--only", f"{name!r}", f"one of {', '.join(study.FLAWS)}")
     folder = output_folder(out)
-    with Progress(transient=True) as bar:
-        task = bar.add_task("diagnosing")
+    cases = [
+        {"name": name, "into": str(folder), "seed": number}
+        for number in seed or [study.REPORTED_FROM]
+        for name in names
+    ]
+    columns = ("{task.description}", BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, transient=True) as bar:
+        task = bar.add_task("diagnosing", total=len(cases))
         outcomes = resumable_map(
             study.trial,
-            [{"name": name, "folder": str(folder), "seed": seed} for name in names],
+            cases,
             folder / ".done",
             workers=workers,
             cluster=cluster,
             progress=lambda done, total: bar.update(task, completed=done, total=total),
         )
     write_whole(folder / "flaws.json", json.dumps(outcomes, indent=1) + "\n")
-    write_whole(folder / "flaws.md", study.markdown(outcomes, seed))
-    typer.echo((folder / "flaws.md").read_text())
+    write_whole(folder / "flaws.md", flaw_report.markdown(outcomes))
+    table = Table("flaw", "seed", "verdict", "best hypothesis", "gap removed")
+    for outcome in outcomes:
+        table.add_row(*flaw_report.cells(outcome))
+    Console().print(table, *flaw_report.summary(outcomes), sep="\n")
+    typer.echo(f"wrote {folder / 'flaws.md'}, flaws.json and a diagnosis for each log")

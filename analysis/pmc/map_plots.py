@@ -60,7 +60,8 @@ def _figure(quantity: Quantity, level: maps.Maps, upright: maps.Maps, geometry: 
     if quantity.field == "rotation":
         flat, tall = (np.where(values > 0.0, values, np.nan) for values in (flat, tall))
     both = np.concatenate([flat.ravel(), tall.ravel()])
-    levels = np.linspace(np.nanmin(both), np.nanmax(both), 17)
+    lowest = 0.0 if quantity.field == "rotation" else np.nanmin(both)
+    levels = np.linspace(lowest, np.nanmax(both), 17)
     for ax, z, values in zip(axes, level.z, flat):
         ax.contourf(1e3 * level.x, 1e3 * level.x, values.T, levels=levels, cmap="cividis")
         ax.set(title=f"z = {1e3 * z:.0f} mm", xlabel="x [mm]", ylabel="y [mm]", aspect="equal")

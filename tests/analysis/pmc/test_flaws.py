@@ -1,5 +1,7 @@
 """Logs of an independent PepperMill-Carrier, and what the instrument makes of them."""
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 import yaml
@@ -11,7 +13,7 @@ from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machine import rms
 from gapscope.analysis.gap.machines import read_machine
 from gapscope.analysis.gap.verdict import NEGLIGIBLE
-from gapscope.analysis.pmc import flaws, logs
+from gapscope.analysis.pmc import flaw_report, flaws, logs
 from gapscope.diagrams.pmc_loop import PMCLoopConfig
 from gapscope.diagrams.pmc_rig import measure
 from gapscope.models.pmc import simulation
@@ -46,6 +48,55 @@ def test_rig_keeps_its_loop_closed():
 def test_every_flaw_can_be_built():
     for flaw in flaws.FLAWS.values():
         assert flaws.rig(flaw, 1).robot.pepper_mill_mass > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["dry-R1", "viscous-L2"])
+def test_friction_is_named_where_it_is(name, tmp_path):
+    """A corner of another shape is not Stribeck's; friction of one motor is not spread over all."""
+    outcome = flaws.trial(name, str(tmp_path), seed=7)
+    assert outcome["right"]
+    assert outcome["placed"]
+
+
+def judged(name, verdict, ids, places=(), seed=50):
+    effects = [{"id": i, "where": {"elements": list(places)}} for i in ids]
+    return asdict(
+        flaws.judge(
+            name,
+            seed,
+            {
+                "verdict": verdict,
+                "effects": effects,
+                "ranking": [{"ids": list(ids), "probability": 0.9}],
+                "shrinkage": {
+                    "before": 1.0, "after": 0.1, "floor": 0.1, "percent": 100.0, "ci95": [99.0, 101.0],
+                },
+                "provenance": {"seconds": 1.0},
+            },
+        )
+    )  # fmt: skip
+
+
+def test_report_tells_right_wrong_and_abstaining_apart():
+    outcomes = [
+        judged("dry-R1", "explained", ("friction.coulomb",), ("R1",)),
+        judged("viscous-L2", "explained", ("friction.viscous",), ("L1", "L2")),
+        judged("payload", "explained", ("load.bias",)),
+        judged("lag", "ambiguous", ("actuator.lag",)),
+        judged("weak-R2", "no_gap", ()),
+        judged("none", "no_gap", (), seed=51),
+    ]
+    assert [o["right"] for o in outcomes] == [True, True, False, False, False, True]
+    assert [o["wrong"] for o in outcomes] == [False, False, True, False, True, False]
+    assert [o["placed"] for o in outcomes[:2]] == [True, False]
+    text = flaw_report.markdown(outcomes)
+    assert "seeds 50, 51. No log of these seeds was looked at" in text
+    assert "right: 3 of 6 (" in text
+    assert "confident and wrong: 2 of 6 (" in text
+    assert "| explained - wrong | load.bias (0.900) |" in text
+    assert "| ambiguous - abstains |" in text
+    assert "no proof" in flaw_report.markdown([judged("none", "no_gap", (), seed=4)])
 
 
 @pytest.fixture
