@@ -2,9 +2,9 @@
 
 The thesis saw translations without visible error and a poor rotation, worst in the central vertical region and best in
 the upper part. Two answers: the gripper's errors on the industry cycle with each flaw, as shares of the motion
-asked; and, statically over the height on the middle axis, how strongly a flaw turns the gripper. Errors of the drives
-and bending of the links turn it most at the isotropic height, in the middle, as observed; compliance along the distal
-links, which the thesis suspects most, does not: there the links hang and carry their load best.
+asked; and, statically over the height on the middle axis, how strongly a flaw turns the gripper. Errors of the drives,
+their unequal sag and bending of the links turn it most at the isotropic height, in the middle, as observed; compliance
+along the distal links, which the thesis suspects most, does not: there the links hang and carry their load best.
 """
 
 from dataclasses import dataclass, replace
@@ -27,6 +27,8 @@ RIGID = PrototypeEffects(
     joint_compliance=0.0, link_compliance=0.0, calibration1=0.0, calibration2=0.0
 )
 
+SAG_EVERY = 20  # samples of the cycle between two poses whose sag is worked out
+
 
 @dataclass(frozen=True, kw_only=True)
 class Spoiled:
@@ -46,6 +48,7 @@ class HeightProfile:
     per_drive_error: list[float]  # calibration and controller: rotation per drive angle [rad/rad]
     by_links: list[float]  # link compliance under a torque on the gripper [rad/(N m)]
     by_joints: list[float]  # joint compliance under a torque on the gripper [rad/(N m)]
+    by_loading: list[float]  # unequal loading of drives of unequal gain, at rest [rad]
 
     def peak(self, name: str) -> float | None:
         """Height of the largest peak inside the profile that stands out by 1 % [m], None without one."""
@@ -66,21 +69,16 @@ class PrototypeStudy:
 def study(
     parameters: PMCParameters, placement: Placement, effects: PrototypeEffects | None = None
 ) -> PrototypeStudy:
-    """Both answers for one place of the cycle, resolved-acceleration control."""
+    """Both answers for one place of the cycle; resolved-acceleration control, the unequal sag at rest along the cycle."""
     effects = effects or PrototypeEffects()
     reference = simulation.sample_cycle(IndustryCycle(placement=placement), parameters)
     ideal = _poses(reference, RIGID, parameters)
-    spoiled = []
-    for flaw, values in _alone(effects).items():
-        change = np.abs(_poses(reference, values, parameters) - ideal).max(axis=0)
-        spoiled.append(
-            Spoiled(
-                flaw=flaw,
-                across=float(change[:2].max() / 0.300),
-                up=float(change[2] / 0.025),
-                rotation=float(change[3] / np.pi),
-            )
-        )
+    spoiled = [
+        _share_of_motion(flaw, _poses(reference, values, parameters) - ideal)
+        for flaw, values in _alone(effects).items()
+    ]
+    along = reference.poses[: len(reference.poses) // 2 : SAG_EVERY]
+    spoiled.append(_share_of_motion("unequal_loading", prototype.unequal_sag(along, parameters)))
     return PrototypeStudy(
         effects=effects, spoiled=spoiled, profile=height_profile(parameters, effects)
     )
@@ -105,6 +103,7 @@ def height_profile(
         per_drive_error=transmission.turning_error(poses, joints, g).tolist(),
         by_links=links,
         by_joints=bearings,
+        by_loading=np.abs(prototype.unequal_sag(poses, parameters)[:, 3]).tolist(),
     )
 
 
@@ -112,13 +111,23 @@ def findings(result: PrototypeStudy) -> dict[str, Any]:
     """What goes into ``comparison.json``."""
     from dataclasses import asdict
 
-    names = ("per_drive_error", "by_links", "by_joints")
+    names = ("per_drive_error", "by_links", "by_joints", "by_loading")
     return {
         "effects": asdict(result.effects),
         "industry_cycle_shares": [asdict(row) for row in result.spoiled],
         "height_profile": asdict(result.profile),
         "peak_heights_m": {name: result.profile.peak(name) for name in names},
     }
+
+
+def _share_of_motion(flaw: str, change: Floats) -> Spoiled:
+    largest = np.abs(change).max(axis=0)
+    return Spoiled(
+        flaw=flaw,
+        across=float(largest[:2].max() / 0.300),
+        up=float(largest[2] / 0.025),
+        rotation=float(largest[3] / np.pi),
+    )
 
 
 def _alone(effects: PrototypeEffects) -> dict[str, PrototypeEffects]:

@@ -7,11 +7,12 @@ from matplotlib.figure import Figure
 
 from .prototype import PrototypeStudy
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73")
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
 LABELS = {
     "joint_compliance": "joint compliance",
     "link_compliance": "link compliance",
     "calibration": "calibration offset",
+    "unequal_loading": "unequal loading",
 }
 
 
@@ -23,7 +24,7 @@ def png(result: PrototypeStudy) -> bytes:
     for i, name in enumerate(("across", "up", "rotation")):
         values = [100.0 * getattr(row, name) for row in result.spoiled]
         bars.bar(place + 0.27 * (i - 1), values, 0.25, color=COLOURS[i], label=name)
-    bars.set_xticks(place, [LABELS[row.flaw] for row in result.spoiled])
+    bars.set_xticks(place, [LABELS[row.flaw].replace(" ", "\n") for row in result.spoiled])
     bars.set(
         ylabel="largest change [% of the motion asked]", title="On the industry cycle", yscale="log"
     )
@@ -34,6 +35,7 @@ def png(result: PrototypeStudy) -> bytes:
             ("by_joints", "joint compliance"),
             ("by_links", "link compliance"),
             ("per_drive_error", "drive or calibration error"),
+            ("by_loading", "unequal loading"),
         )
     ):
         curve = np.array(getattr(result.profile, name))

@@ -7,21 +7,23 @@ r"""What the prototype of the PepperMill-Carrier showed beside the rigid model (
 3. calibration offset: the encoders' zero is off by :math:`\delta_i` in the drive angles, for the reference posture is set
    "by inspection"; the wrist is off by :math:`g_i \delta_i`;
 4. unequal loading: F of the limbs differs by what turns the PM, by the rope and by inertia
-   (``dynamics.wrist_loads``).
+   (``dynamics.wrist_loads``); the drives carry it with the unequal gains of Table 5-10, so that one sags further
+   than the other (:func:`unequal_sag`).
 
 Heights err by the mean of the wrists' errors, the rotation by their difference over 2p, which the fine screws
 amplify. Quasi-static: the links' own vibration is faster than the cycles. Not modelled: pitch and roll of the PM.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import constants, displacement, dynamics
+from . import constants, displacement, dynamics, kinematics
+from .controllers import TaskSpacePD
 from .parameters import PMCParameters
-from .simulation import Run
+from .simulation import Run, settle
 
 Floats = NDArray[np.float64]
 
@@ -79,6 +81,29 @@ def true_poses(run: Run, effects: PrototypeEffects) -> Floats:
     poses = run.poses
     poses[:, 2:] += deflection(run.joints, dynamics.wrist_loads(w, rates, second, c), effects, p)
     return poses
+
+
+def unequal_sag(poses: Floats, p: PMCParameters) -> Floats:
+    """By how much poses (n, 4) move at rest because drive 2 has half the gain of drive 1 (Table 5-10).
+
+    Against the same task-space PD with the gains of drive 1 on both: motors under the weight that the counterweight
+    leaves. Errors of z [m] and phi [rad] in the last two columns.
+    """
+    printed = TaskSpacePD()
+    equal = replace(
+        printed,
+        **{
+            item.name: (getattr(printed, item.name)[0],) * 2
+            for item in fields(printed)
+            if item.name.startswith("k")
+        },
+    )
+    joints = kinematics.inverse(poses, p.geometry)
+    rests = [
+        np.array([settle(home, settings, p) for home in joints]) for settings in (printed, equal)
+    ]
+    uneven, even = (kinematics.forward(rest, p.geometry) for rest in rests)
+    return np.asarray(uneven - even)
 
 
 def _compliance(alpha: Any, beta: Any, effects: PrototypeEffects) -> Any:

@@ -134,7 +134,11 @@ def rest(reference: Reference, settings: Settings, parameters: PMCParameters) ->
     PD controllers sag under the weight until their torques hold it; model-based ones hold the reference. The
     reference also stands where no equilibrium within the torque limit exists.
     """
-    home = reference.joints[0]
+    return settle(reference.joints[0], settings, parameters)
+
+
+def settle(home: Floats, settings: Settings, parameters: PMCParameters) -> Floats:
+    """Joints (4,) at which the loop rests when it is asked to hold joints ``home`` (4,); see :func:`rest`."""
     c = constants.of(parameters)
     loop = controller(settings, parameters, home, 1.0)
     if loop.kind != control.FEEDBACK:

@@ -110,9 +110,16 @@ def test_counterweight_finding(compared):
 def test_flaws_of_the_prototype_hit_the_rotation_hardest(compared):
     """Section 5.2.2, as shares of the motion asked; a drive error turns the PM most at the isotropic height."""
     flaws = json.loads((compared / "comparison.json").read_text())["prototype"]
+    assert [row["flaw"] for row in flaws["industry_cycle_shares"]] == [
+        "joint_compliance",
+        "link_compliance",
+        "calibration",
+        "unequal_loading",
+    ]
     for row in flaws["industry_cycle_shares"]:
         assert row["rotation"] > 2.0 * max(row["across"], row["up"])
     peaks = flaws["peak_heights_m"]
     assert peaks["per_drive_error"] == pytest.approx(-0.3, abs=0.02)
     assert peaks["by_links"] == pytest.approx(-0.3, abs=0.02)
+    assert peaks["by_loading"] == pytest.approx(-0.3, abs=0.02)
     assert peaks["by_joints"] is None

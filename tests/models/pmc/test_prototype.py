@@ -89,3 +89,16 @@ def test_no_effects_no_change():
     assert (prototype.deflection(w, (10.0, 5.0), none, PROTOTYPE) == 0.0).all()
     with pytest.raises(ValueError, match="link_compliance is -1"):
         PrototypeEffects(link_compliance=-1.0)
+
+
+def test_unequal_gains_turn_the_gripper_by_the_difference_of_the_sags():
+    """Drive 2 with half the gain sags by its torque over 52.5 instead of 105 N m/rad; g/(2p) turns it into rotation."""
+    pose = kinematics.isotropic_pose(PROTOTYPE.geometry)
+    w, still = kinematics.inverse(pose, PROTOTYPE.geometry), np.zeros(4)
+    torque = dynamics.inverse_dynamics(w, still, still, constants.of(PROTOTYPE))[3]
+    # Both motors of a C-drive turn with it; in its rotation each holds gain times motor angle.
+    further = abs(torque) / (2.0 * 52.5) - abs(torque) / (2.0 * 105.0)
+    expected = kinematics.jacobian(pose, w, PROTOTYPE.geometry)[3, 3] * further
+    moved = prototype.unequal_sag(pose[None], PROTOTYPE)[0]
+    assert abs(moved[3]) == pytest.approx(abs(expected), rel=0.02)
+    assert moved[:2] == pytest.approx(np.zeros(2), abs=1e-6)
