@@ -92,11 +92,8 @@ def unequal_sag(poses: Floats, p: PMCParameters) -> Floats:
     printed = TaskSpacePD()
     equal = replace(
         printed,
-        **{
-            item.name: (getattr(printed, item.name)[0],) * 2
-            for item in fields(printed)
-            if item.name.startswith("k")
-        },
+        kp_translation=(printed.kp_translation[0],) * 2,
+        kp_rotation=(printed.kp_rotation[0],) * 2,
     )
     joints = kinematics.inverse(poses, p.geometry)
     rests = [
