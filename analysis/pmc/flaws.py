@@ -69,6 +69,22 @@ FLAWS: dict[str, Flaw] = {
         effects=RigEffects(offset=(0.0, 0.0, 0.03, 0.0)),
     ),
     "long-links": Flaw(effect="geometry.parameter", where=("proximal",), robot={"proximal": 0.006}),
+    "dry-nut2": Flaw(
+        effect="friction.coulomb", where=("nut2",), effects=RigEffects(dry_nuts=(0.0, 0.08))
+    ),
+    "dry-pulley": Flaw(
+        effect="friction.coulomb", where=("pulley",), robot={"pulley_friction": 2.0}
+    ),
+    "loaded-motors": Flaw(
+        effect="friction.load_dependent", effects=RigEffects(load_share=(0.08, 0.08, 0.08, 0.08))
+    ),
+    "bias-L1": Flaw(
+        effect="load.bias", where=("L1",), effects=RigEffects(bias=(0.15, 0.0, 0.0, 0.0))
+    ),
+    "low-limit": Flaw(effect="actuator.saturation", effects=RigEffects(limit=2.0)),
+    "scale-R1": Flaw(
+        effect="sensor.scale", where=("R1",), effects=RigEffects(scale=(1.0, 1.01, 1.0, 1.0))
+    ),
     "soft-links": Flaw(
         effect="transmission.compliance",
         where=("theta1", "theta2"),
@@ -86,7 +102,9 @@ def rig(flaw: Flaw, seed: int) -> Rig:
         return float(value * (1.0 + rng.uniform(-JITTER, JITTER)))
 
     weight = replace(
-        p.counterweight, mass=near(p.counterweight.mass) + more.pop("counterweight", 0.0)
+        p.counterweight,
+        mass=near(p.counterweight.mass) + more.pop("counterweight", 0.0),
+        pulley_friction=p.counterweight.pulley_friction + more.pop("pulley_friction", 0.0),
     )
     geometry = replace(p.geometry, proximal=p.geometry.proximal + more.pop("proximal", 0.0))
     names = ("proximal_mass", "distal_mass", "elbow_damping", "wrist_damping")

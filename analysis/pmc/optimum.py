@@ -157,4 +157,6 @@ def _kkt_residual(problem: _Problem, theta: Floats) -> float:
     gradient = problem.objective_gradient(theta)
     if not gradients:
         return float(np.linalg.norm(gradient))
-    return float(nnls(np.array(gradients).T, gradient)[1])
+    columns = np.array(gradients).T
+    multipliers, _ = nnls(columns, gradient)
+    return float(np.linalg.norm(columns @ multipliers - gradient))

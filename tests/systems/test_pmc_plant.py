@@ -28,6 +28,7 @@ def random_states(n, seed, p=FREE):
 
 def largest_difference(p, c, n=50):
     plant = pmc_plant.ProjectedPlant(p)
+    assert plant.plant.num_velocities() == 10  # less a loop of rank 6: four freedoms
     rng = np.random.default_rng(62)
     worst = 0.0
     for w, v in zip(*random_states(n, seed=61, p=p)):

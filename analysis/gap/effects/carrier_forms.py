@@ -59,6 +59,7 @@ def forms(machine: "CarrierMachine", scales: Scales) -> list[Form]:
     own = [
         _passive_viscous(),
         _passive_dry(machine, scales),
+        _pulley_dry(machine),
         _payload(),
         _counterweight(),
         _geometry(),
@@ -109,6 +110,31 @@ def _passive_dry(machine: "CarrierMachine", scales: Scales) -> Form:
         where=at("joints", "level_"),
         shapes=frozenset({"width"}),
         removable=frozenset(p.name for p in free),
+        family=dry_friction.FAMILY,
+        own_start=True,
+    )
+
+
+def _pulley_dry(machine: "CarrierMachine") -> Form:
+    level = parameter("level_pulley", "N", 2.0, lower=0.0)
+    width = parameter("width", "m/s", 2e-3, lower=1e-4, upper=0.05,
+                      starts=(machine.parameters.counterweight.friction_speed,))  # fmt: skip
+
+    def apply(plant: "CarrierPlant", values: Values) -> None:
+        c = plant.robot.constants
+        _change(
+            plant,
+            rope_friction=c.rope_friction + values.get("level_pulley", 0.0),
+            rope_friction_speed=values["width"],
+        )
+
+    return Form(
+        effect="friction.coulomb",
+        name="pulley of the counterweight",
+        parameters=(level, width),
+        apply=apply,
+        where=everywhere("bodies", ("pulley",)),
+        shapes=frozenset({"width"}),
         family=dry_friction.FAMILY,
         own_start=True,
     )
