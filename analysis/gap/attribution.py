@@ -6,6 +6,7 @@ hypothesis wins when the blocks of the held-out losses are resampled is its prob
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +22,7 @@ LEAST_GAIN = 0.02  # smallest fall of the score worth another effect or another 
 FURTHER_SCREEN = 0.08  # a further effect must lower the loss by more; its price alone asks for 0.18
 NEAR_FLOOR = 1.03  # a residual this close to the floor, as a ratio, leaves nothing to explain
 DONE = 1.1  # nor does one this close call for a richer form of another effect
+ROUGH_GAIN = 0.1  # as LEAST_GAIN beside impacts, where a better optimum looks like an effect
 PROMISE = 0.25  # of the fall of a sibling's loss, asked of the start of a search for impacts
 CONTENDER = 1.5  # a search goes on while its residual is within this ratio of the best one's
 REFINED_REACH = 0.1  # of the score above the best one's, up to which a richer form is tried
@@ -45,17 +47,20 @@ def attribute(
     parents = _beam([f for f in sorted(singles, key=lambda f: f.score) if _better(f, retuned)])
     best = parents[0] if parents else retuned
     while parents:
-        # Impacts leave a residual too rough to tell a further effect from a better optimum.
-        if best.held_out_rms < NEAR_FLOOR * floor or best.hypothesis.rough:
+        # Impacts do not repeat: they raise the floor that they are measured by.
+        if best.held_out_rms < NEAR_FLOOR * floor and not best.hypothesis.rough:
             break
         children = _grown(predictor, parents, plain, fits, progress)
+        if best.hypothesis.rough and len(best.hypothesis.forms) == 1:
+            children += _beside_impacts(predictor, retuned, best, plain, progress)
+            children.sort(key=lambda f: f.score)
         if not children:
             break
         child = pruned(predictor, children[0])
         smaller = _without_each(predictor, child)
         fits += [child, *children[1:], *smaller]
         found = min([child, *smaller], key=lambda f: f.score)
-        if best.score - found.score < LEAST_GAIN:
+        if best.score - found.score < (ROUGH_GAIN if best.hypothesis.rough else LEAST_GAIN):
             break
         before = {frozenset(p.hypothesis.ids) for p in parents}
         best = found
@@ -63,6 +68,8 @@ def attribute(
         parents = [best] + [
             f for f in smaller if f is not best and frozenset(f.hypothesis.ids) not in before
         ]
+    if best.hypothesis.rough:
+        fits += _with_other_shifts(predictor, best, plain, progress)
     for form in refined:
         base = _to_refine(fits, best, form)
         if base is None and best.held_out_rms < DONE * floor:
@@ -138,14 +145,54 @@ def _grown(
                 f
                 for f in forms
                 if frozenset((*parent.hypothesis.ids, f.effect)) not in known
-                and (
-                    f.step == 0.0 or parent is parents[0]
-                )  # impacts are dear: beside the best only
+                # Impacts are dear: beside the best only.
+                and (f.step == 0.0 or parent is smooth[0])
             ],
             progress,
         )
     ]
     return sorted(best_by_ids(children), key=lambda f: f.score)
+
+
+def _beside_impacts(
+    predictor: Predictor, retuned: Fit, best: Fit, forms: Sequence[Form], progress: Progress
+) -> list[Fit]:
+    """Effects that shift the command in time, each with every form of the impacts, searched anew.
+
+    They move the impacts, so that the best clearance without them is far from the one with them.
+    """
+    (impact,) = best.hypothesis.ids
+    children: list[Fit] = []
+    reached = best.rms
+    for late in (form for form in forms if form.shifts):
+        for rough in (form for form in forms if form.effect == impact):
+            progress(f"{late.effect}, {late.name} + {rough.effect}, {rough.name}")
+            screen = PROMISE * (1.0 - (reached / retuned.rms) ** 2)
+            child = Hypothesis(forms=(late, rough))
+            children.append(fit(predictor, child, retuned, screen))
+            reached = min(reached, children[-1].rms)
+    return best_by_ids(children)
+
+
+def _with_other_shifts(
+    predictor: Predictor, best: Fit, forms: Sequence[Form], progress: Progress
+) -> list[Fit]:
+    """The fit with its shift in time made one of another kind, searched from the same mean shift.
+
+    Where impacts are, which of the kinds was found first is chance.
+    """
+    swapped = []
+    for mine in (form for form in best.hypothesis.forms if form.shifts):
+        for other in (form for form in forms if form.shifts and form.name != mine.name):
+            progress(f"{other.effect}, {other.name} in place of {mine.effect}, {mine.name}")
+            key = {
+                (mine.effect, p.name): (other.effect, q.name)
+                for p, q in zip(mine.parameters, other.parameters)
+            }
+            start = replace(best, keys=tuple(key.get(k, k) for k in best.keys))
+            hypothesis = best.hypothesis.without(mine.effect).with_form(other)
+            swapped.append(fit(predictor, hypothesis, start, screen=-np.inf))
+    return swapped
 
 
 def _without_each(predictor: Predictor, full: Fit) -> list[Fit]:

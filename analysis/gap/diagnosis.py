@@ -195,7 +195,8 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     as_logged = [run for run in logged if run.use == "validate"]
     shrunk = shrinkage(machine, as_logged, held_back, retuned, chosen, seed)
     errors = _validation_errors(machine, held_back, ranking)
-    verdict = confirmed(doubted(verdict, ranking, errors), shrunk)
+    verdict, ranking = doubted(verdict, ranking, errors)
+    verdict = confirmed(verdict, shrunk)
     if verdict.accepted is None and chosen is not retuned:
         chosen = retuned
         shrunk = shrinkage(machine, as_logged, held_back, retuned, chosen, seed)

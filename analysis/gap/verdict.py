@@ -143,13 +143,15 @@ def in_step(verdict: Verdict, out_of_step: float | None) -> Verdict:
 
 def doubted(
     verdict: Verdict, ranking: Sequence[Ranked], errors: Mapping[frozenset[str], float]
-) -> Verdict:
+) -> tuple[Verdict, list[Ranked]]:
     """The verdict, or ``ambiguous`` where the validation runs are predicted better without an effect.
 
-    ``errors`` are validation errors by the ids of a hypothesis. They choose nothing, they take back.
+    ``errors`` are validation errors by the ids of a hypothesis. They choose nothing, they take back:
+    in the ranking that is returned, the two share the probability of both.
     """
+    kept = verdict, list(ranking)
     if verdict.verdict != "explained" or verdict.accepted is None:
-        return verdict
+        return kept
     ids = frozenset(verdict.accepted.fit.hypothesis.ids)
     smaller = [
         r
@@ -159,15 +161,20 @@ def doubted(
         and errors[ids] > LEAST_WORSE * errors[frozenset(r.fit.hypothesis.ids)]
     ]
     if not smaller:
-        return verdict
+        return kept
     rival = min(smaller, key=lambda r: errors[frozenset(r.fit.hypothesis.ids)])
-    return replace(
+    half = 0.5 * (verdict.accepted.probability + rival.probability)
+    shared = {id(r): replace(r, probability=half) for r in (verdict.accepted, rival)}
+    accepted, rival = shared.values()
+    found = replace(
         verdict,
         verdict="ambiguous",
-        reason=f"The fit runs ask for {verdict.accepted.fit.hypothesis.label}, but the validation "
+        reason=f"The fit runs ask for {accepted.fit.hypothesis.label}, but the validation "
         f"runs are predicted better by {rival.fit.hypothesis.label} alone.",
+        accepted=accepted,
         rivals=(rival,),
     )
+    return found, [shared.get(id(r), r) for r in ranking]
 
 
 def confirmed(verdict: Verdict, held_out: Shrinkage) -> Verdict:

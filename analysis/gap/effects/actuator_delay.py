@@ -22,6 +22,7 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
             parameters=(delay,),
             apply=_apply,
             where=everywhere("joints", machine.joints),
+            shifts=True,
         )
     ]
 

@@ -29,6 +29,7 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
             parameters=(lag,),
             apply=_lag(stages),
             where=everywhere("joints", machine.joints),
+            shifts=True,
             price=RARE if stages > 1 else 0.0,  # two equal stages come close to a delay
         )
         for stages, name in enumerate(("first order", "second order"), 1)

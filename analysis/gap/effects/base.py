@@ -114,6 +114,7 @@ class Form:
     stands_for: frozenset[str] = frozenset()  # effects that a refined form may make needless
     contains: frozenset[str] = frozenset()  # effects that it is at the edge of its parameters
     price: float = 0.0  # further fall of the log residual asked of a form that is rarely the reason
+    shifts: bool = False  # whether it moves the command in time, and so every impact that follows
     step: float = 0.0  # finite-difference step in parameter scales, where the default is too fine
     amounts_to: "Callable[[Values], Form | None]" = lambda values: None
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gapscope.analysis.gap.attribution import _holds_nothing
-from gapscope.analysis.gap.ranking import TWIN, _shared_wins
+from gapscope.analysis.gap.ranking import TWIN, Ranked, _shared_wins
 from gapscope.analysis.gap.shrinkage import Shrinkage
 from gapscope.analysis.gap.verdict import GAP_RATIO, Verdict, confirmed, decide, doubted
 
@@ -53,7 +53,7 @@ def test_twins_share_what_they_win_and_others_do_not() -> None:
     assert _shared_wins(scores) == pytest.approx([1.5, 0.5, 0.0])
 
 
-def ranked(ids: tuple[str, ...], probability: float, contains: tuple[str, ...] = ()) -> Any:
+def ranked(ids: tuple[str, ...], probability: float, contains: tuple[str, ...] = ()) -> Ranked:
     hypothesis = SimpleNamespace(
         ids=ids,
         forms=ids,
@@ -61,8 +61,8 @@ def ranked(ids: tuple[str, ...], probability: float, contains: tuple[str, ...] =
         contained=frozenset(ids) | frozenset(contains),
         rough=False,
     )
-    fit = SimpleNamespace(hypothesis=hypothesis, held_out_rms=1.02 if ids else 9.0)
-    return SimpleNamespace(fit=fit, probability=probability, gain_interval=(1.0, 2.0))
+    fit: Any = SimpleNamespace(hypothesis=hypothesis, held_out_rms=1.02 if ids else 9.0)
+    return Ranked(fit=fit, probability=probability, gain=1.5, gain_interval=(1.0, 2.0))
 
 
 DRY = ranked(("friction.coulomb",), 0.9)
@@ -88,10 +88,13 @@ def test_an_effect_without_which_validation_runs_are_predicted_better_is_doubted
     both = ranked(("friction.coulomb", "load.bias"), 0.9)
     claim = replace(NO_GAP, verdict="explained", accepted=both)
     errors = {frozenset(r.fit.hypothesis.ids): e for r, e in ((both, 2.0), (DRY, 1.9))}
-    assert doubted(claim, [both, DRY], errors) is claim
+    assert doubted(claim, [both, DRY], errors) == (claim, [both, DRY])
     errors[frozenset(DRY.fit.hypothesis.ids)] = 1.0
-    found = doubted(claim, [both, DRY], errors)
-    assert (found.verdict, found.rivals) == ("ambiguous", (DRY,))
+    found, ranking = doubted(claim, [both, DRY], errors)
+    assert (found.verdict, found.rivals) == ("ambiguous", (ranking[1],))
+    assert [r.fit for r in ranking] == [both.fit, DRY.fit]
+    half = (both.probability + DRY.probability) / 2
+    assert [r.probability for r in ranking] == [half, half]
 
 
 def test_an_effect_without_size_is_no_effect() -> None:
