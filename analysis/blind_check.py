@@ -10,7 +10,6 @@ Seeds below 1000 are for tuning an instrument, seeds from 1000 for reporting on 
 
 import hashlib
 import json
-import os
 import secrets
 import shutil
 import tempfile
@@ -23,7 +22,7 @@ from typing import Any
 
 from .blind_machine import REPORT_SEEDS_FROM, case_name, write_case
 from .errors import InputError
-from .files import output_folder, write_whole
+from .files import DRAFT, drop_drafts, output_folder, write_whole
 from .workers import each
 
 Diagnose = Callable[[Path, Path], dict[str, Any]]  # log set, output folder -> diagnosis
@@ -71,6 +70,7 @@ def run(
     for folder in (out, out / "cases", out / "answers", out / "results"):
         output_folder(folder)
     _refuse_another_run(out, machine, seed, cases)
+    _drop_drafts(out)
     names = [case_name(i) for i in range(cases)]
     share = partial(each, workers=workers, cluster=cluster)
     missing = [i for i in range(cases) if not (out / "answers" / f"{names[i]}.json").exists()]
@@ -141,7 +141,7 @@ def _written(machine: str, seed: int, index: int) -> tuple[dict[str, Any], Files
 
 
 def _keep_case(out: Path, name: str, answer: dict[str, Any], files: Files) -> None:
-    folder, draft = out / "cases" / name, out / "cases" / f".{name}.{os.getpid()}"
+    folder, draft = out / "cases" / name, out / "cases" / f"{DRAFT}{name}"
     _put(files, draft)
     shutil.rmtree(folder, ignore_errors=True)
     draft.rename(folder)
@@ -194,6 +194,13 @@ def _told(
         for done, result in enumerate(results, total - missing + 1):
             yield result
             progress(stage, done, total)
+
+
+def _drop_drafts(out: Path) -> None:
+    """Remove what a run that was killed had half written."""
+    kept = ("", "cases", "answers", "results", "diagnoses")
+    for folder in (*(out / name for name in kept), *(out / "diagnoses").glob("*/")):
+        drop_drafts(folder)
 
 
 def _refuse_another_run(out: Path, machine: str, seed: int, cases: int) -> None:

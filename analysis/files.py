@@ -1,12 +1,19 @@
 """Results on disk: written whole or not at all."""
 
 import os
+import re
+import shutil
 import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from .errors import InputError
+
+DRAFT = ".gapscope-"  # start of the name of a folder that is being written
+DRAFT_FILE = re.compile(
+    r"\..+\.(json|html|md|png|csv|yaml)\.[a-z0-9_]{8}"
+)  # name of a file that is
 
 
 def output_folder(path: Path) -> Path:
@@ -35,6 +42,15 @@ def write_whole(path: Path, content: str | bytes) -> None:
         raise
 
 
+def drop_drafts(folder: Path) -> None:
+    """Remove what ``write_whole`` and ``write_folder`` left in ``folder`` when they were killed."""
+    for draft in folder.glob(".*"):
+        if draft.name.startswith(DRAFT) and draft.is_dir():
+            shutil.rmtree(draft, ignore_errors=True)
+        elif draft.is_file() and DRAFT_FILE.fullmatch(draft.name):
+            draft.unlink(missing_ok=True)
+
+
 def write_folder(out: Path, files: Mapping[str, Callable[[Path], Any]]) -> list[Path]:
     """Write each file by its function, then move all of them into the folder ``out``.
 
@@ -44,7 +60,7 @@ def write_folder(out: Path, files: Mapping[str, Callable[[Path], Any]]) -> list[
     created = not out.exists()
     output_folder(out)
     try:
-        with tempfile.TemporaryDirectory(dir=out, prefix=".gapscope-") as draft:
+        with tempfile.TemporaryDirectory(dir=out, prefix=DRAFT) as draft:
             for name, write in files.items():
                 write(Path(draft) / name)
             for name in files:

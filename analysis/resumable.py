@@ -7,7 +7,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from .files import write_whole
+from .files import drop_drafts, write_whole
 from .workers import each
 
 
@@ -27,8 +27,7 @@ def resumable_map(
     ``workers.each``; ``function`` must be importable there. Raises what ``function`` raises; finished cases are kept.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    for draft in folder.glob(".*.json.*"):  # of a run that was killed while it wrote
-        draft.unlink(missing_ok=True)
+    drop_drafts(folder)  # of a run that was killed while it wrote
     wanted = [(case, folder / f"{_digest(function, case)}.json") for case in cases]
     missing = [(case, path) for case, path in wanted if not path.exists()]
     done = len(wanted) - len(missing)

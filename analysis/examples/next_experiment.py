@@ -46,9 +46,8 @@ def _record(
 ) -> None:
     """Three cycles of the hidden machine under PD, added to the log set in the folder."""
     t = np.arange(round(3.0 / program.rate / 1e-3)) * np.float64(1e-3)
-    reference, _, acceleration = program.sample(t)
-    pd, seed = drive_logset.STIFF["pd"], len(runs)
-    rows = any_motion.table(HIDDEN, pd, t, reference, acceleration, seed=seed)
+    pd = drive_logset.STIFF["pd"]
+    rows = any_motion.table(HIDDEN, pd, t, *program.sample(t)[::2], seed=len(runs))
     runs.append({"file": f"run{len(runs) + 1}.csv", "controller": "pd", **keys})
     (folder / runs[-1]["file"]).write_text(any_motion.csv(rows))
     text = any_motion.description("next experiment", runs)

@@ -32,9 +32,8 @@ class ArmMachine(Machine):
     def predict(self, run: RunData, plant: Arm) -> Array:
         """Torque of the model less that of the log."""
         rate = np.gradient(run.position, run.dt, axis=0)
-        acceleration = np.gradient(rate, run.dt, axis=0)
-        torque = np.asarray(plant.torque(run.position, rate, acceleration))
-        return (torque - run.command)[run.window]
+        torque = plant.torque(run.position, rate, np.gradient(rate, run.dt, axis=0))
+        return (np.asarray(torque) - run.command)[run.window]
 
     def forms(self, runs: Sequence[RunData]) -> list[Form]:
         """What may be wrong with an arm; ``own_effect.py`` adds to it."""

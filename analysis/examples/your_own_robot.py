@@ -11,13 +11,14 @@ import sys
 from pathlib import Path
 
 from ..gap.diagnosis import Diagnosis, diagnose
-from .two_joint_log import record
+from ..gap.picture import shrinkage_picture
+from ..two_joint_robot import record
 
 HIDDEN = (0.4, 0.0)  # dry friction of shoulder and elbow that the model file lacks [N m]
 
 
 def main(folder: Path) -> Diagnosis:
-    """Record the arm, diagnose it, and save ``diagnosis.json`` beside the logs."""
+    """Record the arm, diagnose it, and save ``diagnosis.json`` and a picture beside the logs."""
     found = diagnose(record(folder, friction=HIDDEN))
     sys.stdout.write(f"{found.verdict.verdict}: {found.verdict.reason}\n")
     for effect in found.to_json()["effects"]:
@@ -25,6 +26,7 @@ def main(folder: Path) -> Diagnosis:
         for name, p in effect["parameters"].items():
             sys.stdout.write(f"    {name} = {p['value']:.3g} {p['unit']}\n")
     found.save(folder)
+    shrinkage_picture(found).savefig(folder / "your_own_robot.png", dpi=120)
     return found
 
 

@@ -34,10 +34,14 @@ def svg(diagram: Any, *, depth: int = 1) -> str:
         drawn = graph.draw(prog="dot", format="svg").decode()
     graph.close()
     title = diagram.get_name() or "diagram"
-    label = f'role="img" aria-label="Block diagram of {title}" '
+    label = (
+        f'role="img" aria-label="Block diagram of {title}" style="max-width: 100%; height: auto" '
+    )
     return drawn.replace("<svg ", f"<svg {label}", 1)
 
 
 def _plain(text: str) -> str:
-    """Drake's description without the memory addresses of unnamed systems."""
-    return re.sub(r"@[0-9a-f]{16}", "", text)
+    """Drake's description with bare names: no memory addresses, no modules of classes."""
+    text = re.sub(r"@[0-9a-f]{16}", "", text)
+    text = re.sub(r"<B>(?:\w+\.)+(\w+)</B>", r"<B>\1</B>", text)
+    return re.sub(r"^name=", "", text, flags=re.MULTILINE)

@@ -18,6 +18,7 @@ from .skeletons import Floats, Skeleton, skeleton
 FRAMES_PER_SECOND = 30.0
 LONGEST = 20.0  # of a replay [s]
 SHARE = 0.05  # of the motion, that the larger ghost's difference is magnified to
+STILL = 0.01  # share of its range below which a coordinate that travels stands still in this run
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +36,7 @@ class Replay:
 def replay(diagnosis: Diagnosis, run: str | None = None, magnify: float | None = None) -> Replay:
     """The named run, or the first held-out one; InputError for another name or a machine without a picture.
 
-    Without ``magnify`` the larger difference becomes 5 % of the motion.
+    Without ``magnify`` the larger difference becomes 5 % of the motion, in the coordinates that move.
     """
     chosen = _choose(diagnosis, run)
     machine = skeleton(_name(diagnosis))
@@ -52,7 +53,8 @@ def replay(diagnosis: Diagnosis, run: str | None = None, magnify: float | None =
             default=np.zeros(1),
         )
         travel = np.ptp(measured, axis=0)
-        shares = largest[travel > 0.0] / travel[travel > 0.0]
+        moved = travel > STILL * np.array([c.high - c.low for c in machine.coordinates])
+        shares = largest[moved] / travel[moved]
         magnify = max(1.0, float(SHARE / np.max(shares))) if shares.size and shares.max() else 1.0
     return Replay(
         machine=machine,
@@ -96,11 +98,15 @@ def _with_legend(text: str, found: Replay) -> str:
     caption = (
         "<div role='note' style='position:fixed;left:1rem;bottom:1rem;max-width:28rem;padding:.6rem .8rem;"
         "background:#fffffff0;color:#1a1a1a;font:15px/1.4 system-ui,sans-serif;border-radius:.4rem'>"
-        f"{found.machine.name}, run {markup.escape(found.run)}: {', '.join(entries)}. Ghosts stand off the measured "
-        f"posture by {found.magnify:.3g} times their difference from it.</div>"
+        f"{found.machine.name}, run {markup.escape(found.run)}: {', '.join(entries)}. The models stand off the measured "
+        f"posture by {_times(found.magnify)} their difference from it.</div>"
     )
     assert text.count("</body>") == 1
     return text.replace("</body>", f"{caption}</body>")
+
+
+def _times(magnify: float) -> str:
+    return f"{magnify:.3g} times" if magnify != 1.0 else "just"
 
 
 def _choose(diagnosis: Diagnosis, name: str | None) -> RunData:

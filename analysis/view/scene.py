@@ -23,6 +23,8 @@ def open_meshcat() -> Meshcat:
     meshcat = Meshcat(MeshcatParams(host="localhost", show_stats_plot=False))
     meshcat.SetProperty("/Grid", "visible", False)
     meshcat.SetProperty("/Axes", "visible", False)
+    for end in ("top_color", "bottom_color"):
+        meshcat.SetProperty("/Background", end, [0.96, 0.97, 0.98])
     return meshcat
 
 

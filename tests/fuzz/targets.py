@@ -75,6 +75,8 @@ def _write_recordings(folder: Path) -> None:
     from rosbags.rosbag2 import Writer as Writer2
     from rosbags.typesys import Stores, get_typestore
 
+    (folder / "log.bag").unlink(missing_ok=True)  # the writers refuse to overwrite
+    shutil.rmtree(folder / "bag", ignore_errors=True)
     with open(folder / "log.mcap", "wb") as stream:
         writer = Writer(stream)
         writer.start()
@@ -122,6 +124,13 @@ def read_tables(path: Path) -> list:
     return tables.read(path)
 
 
+def input_error() -> type[Exception]:
+    """The one error of unusable input; imported late, for fuzzers that watch imports."""
+    from gapscope.analysis.errors import InputError
+
+    return InputError
+
+
 def attempt(target: str, seeds: Path, seed: int, scratch: Path) -> str:
     """Feed one mutated input to its reader; ``ok`` or ``refused``. Anything else is raised."""
     from gapscope.analysis.errors import InputError
@@ -140,16 +149,23 @@ def _call(target: str, seeds: Path, seed: int, scratch: Path) -> None:
     if target == "arguments":
         command_line(arguments(seeds, seed))
         return
+    from .mutation import mutated
+
     if target == "import":
         name = random.Random(seed).choice(
             ["log.csv", "log.mat", "log.h5", "log.mcap", "log.parquet"]
         )
-        path = _put(seeds, name, seed, scratch)
+        path = _put(seeds, name, mutated((seeds / name).read_bytes(), seed), scratch)
         command_line(
             ["import", str(path), "--kind", "slider", "--yes", "--resample", "--out", "out"]
         )
         return
-    path = _put(seeds, target, seed, scratch)
+    read(target, mutated((seeds / target).read_bytes(), seed), seeds, scratch)
+
+
+def read(target: str, data: bytes, seeds: Path, scratch: Path) -> None:
+    """Hand ``data`` to the reader of a target, as a file in the folder ``scratch``."""
+    path = _put(seeds, target, data, scratch)
     if target in ("logset.yaml", "run.csv"):
         from gapscope.analysis.gap.logset import load_logset
         from gapscope.analysis.gap.machines import read_machine
@@ -189,13 +205,11 @@ def _config(target: str, path: Path) -> None:
         raise InputError(path, str(error), "a config") from error
 
 
-def _put(seeds: Path, name: str, seed: int, scratch: Path) -> Path:
-    from .mutation import mutated
-
+def _put(seeds: Path, name: str, data: bytes, scratch: Path) -> Path:
     if name.startswith("bag/"):
         shutil.copytree(seeds / "bag", scratch / "bag")
     path = scratch / name
-    path.write_bytes(mutated((seeds / name).read_bytes(), seed))
+    path.write_bytes(data)
     return path
 
 

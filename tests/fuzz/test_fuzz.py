@@ -1,10 +1,15 @@
 """Mutated inputs end in an answer or in one InputError; the long campaign is a study.
 
-By hand: ``cd tests && python -m fuzz.campaign run COUNT FOLDER [FIRST]`` prints outcomes and failures.
+By hand: ``cd tests && python -m fuzz.campaign run COUNT FOLDER [FIRST]`` prints outcomes and failures,
+``python -m fuzz.guided TARGET FOLDER SECONDS`` searches on, guided by coverage.
 """
 
 import contextlib
 import os
+import re
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -93,3 +98,15 @@ def test_ten_thousand_mutated_inputs(tmp_path):
     found = campaign.run(count, tmp_path)
     assert sum(found["outcomes"].values()) == count
     assert found["failures"] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", ["log.csv", "log.mcap", "logset.yaml"])
+def test_inputs_that_reach_new_code_are_read_or_refused_too(target, tmp_path):
+    pytest.importorskip("atheris", reason="atheris is not installed: pip install --group fuzz")
+    done = subprocess.run(
+        [sys.executable, "-m", "fuzz.guided", target, str(tmp_path), "20"],
+        cwd=Path(__file__).parents[1], capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert int(re.search(r"number_of_executed_units: (\d+)", done.stderr)[1]) > 100

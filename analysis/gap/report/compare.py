@@ -132,6 +132,7 @@ def _effects(diagnoses: Sequence[Named]) -> list[str]:
 def _row(d: Named) -> dict[str, Any]:
     s = d.content["shrinkage"]
     levels = {name: s.get(name) for name in ("before", "retuned", "after", "floor")}
+    ends = s.get("intervals_ci95") or {}
     top = max((v for v in levels.values() if v), default=1.0)
     strongest = max((e["probability"] for e in d.content["effects"]), default=None)
     return {
@@ -143,7 +144,12 @@ def _row(d: Named) -> dict[str, Any]:
         "interval": "" if not s.get("ci95") else interval(s["ci95"], "%"),
         "metric": s.get("metric", ""),
         "levels": [
-            (name, "–" if v is None else number(v), 0.0 if v is None else 100.0 * v / top)
+            (
+                name,
+                "–" if v is None else number(v),
+                interval(ends[name]) if ends.get(name) else "",
+                0.0 if v is None else 100.0 * v / top,
+            )
             for name, v in levels.items()
         ],
     }

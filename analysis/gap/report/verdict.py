@@ -165,7 +165,7 @@ def _confidence_in(accepted: Ranked, d: Diagnosis) -> str:
     elif len(containing) > 1 and accepted.probability < probability - 0.01:
         text += f", in {percent(accepted.probability, 1)} alone"
     return (
-        f"{text}. That weighs them against every other hypothesis tried, not against effects outside the "
+        f"{text}. That weighs {'it' if len(ids) == 1 else 'them'} against every other hypothesis tried, not against effects outside the "
         "catalogue."
     )
 

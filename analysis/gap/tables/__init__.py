@@ -42,12 +42,25 @@ def reader_of(path: Path) -> ModuleType:
 
 def read(path: Path) -> list[Signals]:
     """Every group of signals of a file, the longest first; InputError for unusable files."""
-    groups: list[Signals] = reader_of(path).read(path)
+    try:
+        groups: list[Signals] = reader_of(path).read(path)
+    except OSError as error:
+        raise _unreadable(path, error) from None
     return groups
 
 
 def blocks(path: Path, names: Sequence[str]) -> Iterator[Array]:
     """Blocks (at most BLOCK rows, len(names)) of the named columns; InputError for unusable files."""
-    yielded: Iterator[Array] = reader_of(path).blocks(path, names)
-    for block in yielded:
-        yield np.ascontiguousarray(block)
+    try:
+        yielded: Iterator[Array] = reader_of(path).blocks(path, names)
+        for block in yielded:
+            yield np.ascontiguousarray(block)
+    except OSError as error:
+        raise _unreadable(path, error) from None
+
+
+def _unreadable(path: Path, error: OSError) -> InputError:
+    return InputError(
+        path, f"cannot be read ({error.strerror or error})", "a file that may be read",
+        "Check its permissions and its disk.",
+    )  # fmt: skip

@@ -191,6 +191,17 @@ def test_a_reader_that_crashes_is_one_error(tmp_path, monkeypatch):
         read_by("import os; os.abort()", tmp_path, monkeypatch)
 
 
+@pytest.mark.parametrize("call", [tables.read, lambda path: list(tables.blocks(path, ["t"]))])
+def test_a_file_that_may_not_be_read_is_one_error(tmp_path, monkeypatch, call):
+    def refuse(*_):
+        raise PermissionError(13, "Permission denied")
+
+    savemat(tmp_path / "log.mat", {"t": T})
+    monkeypatch.setattr(matlab_table, "open", refuse, raising=False)
+    with pytest.raises(InputError, match=r"log\.mat: cannot be read \(Permission denied\)"):
+        call(tmp_path / "log.mat")
+
+
 def test_a_file_that_only_ends_in_mat_starts_no_reader(tmp_path, monkeypatch):
     monkeypatch.setattr(matlab_table, "READER", "no_such_module")
     (tmp_path / "log.mat").write_text("t,q\n" + "0.0,1.0\n" * 100)

@@ -30,6 +30,13 @@ def test_by_default_differences_become_visible(diagnosed):
     assert np.max(off / np.ptp(found.measured, axis=0)) == pytest.approx(0.05)
 
 
+def test_what_stands_still_in_a_run_does_not_decide_how_much_is_enlarged(diagnosed):
+    found = replay(diagnosed["friction"], "translation.csv")
+    along = np.abs(found.ghosts["nominal"] - found.measured).max(axis=0)[0]
+    assert np.ptp(found.measured[:, 1]) < 0.1
+    assert along / np.ptp(found.measured[:, 0]) == pytest.approx(0.05)
+
+
 def test_page_says_who_is_who_and_what_is_enlarged(diagnosed):
     html = page(replay(diagnosed["friction"], magnify=25.0))
     assert "nominal model" in html
