@@ -54,7 +54,7 @@ def predict(
     q = np.zeros(shafts)
     for j in range(shafts):
         q[j] = position[0, j % n]
-    v, z, held, lag, torque = drive_kernels.rest(plant)
+    v, z, held, lag, torque = drive_kernels.rest(plant, n)
     middle, before = np.zeros(n), np.zeros(shafts)
     work = drive.work_arrays(shafts)
     for k in range(samples):

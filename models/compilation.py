@@ -31,8 +31,15 @@ import platformdirs
 from numba.core import config as numba_config
 from numba.extending import register_jitable
 
+from . import elementary_compiled as elementary_compiled  # kernels need it
+
 # numba sets its options as module attributes at import, out of sight of type checkers.
 config: Any = numba_config
+
+
+# Products may be added without rounding and divisors inverted beforehand: neither changes more than the last
+# bits, nor what is made of infinities and NaN. Sums keep their order.
+FAST: Any = {"contract", "arcp"}
 
 
 def register_laws(*modules: ModuleType) -> None:
@@ -45,18 +52,34 @@ def register_laws(*modules: ModuleType) -> None:
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile a module-level function for float arguments, cached on disk, without the GIL."""
+    return _compiled(function)
+
+
+def part(function: Callable[..., Any]) -> Any:
+    """As ``kernel``, for what other kernels do sample by sample: they have it in place of a call."""
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: Callable[..., Any], **options: Any) -> Any:
     before = config.CACHE_DIR
     config.CACHE_DIR = str(_cache_folder())
     try:
-        return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+        return numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST, **options)(
+            function
+        )
     finally:
         config.CACHE_DIR = before
+
+
+def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Let kernels have the lines of this function in place, as arrays of ``stack`` need it."""
+    return register_jitable(inline="always")(function)
 
 
 @cache
 def _register(law: Callable[..., Any]) -> None:
     # Inlined, a law takes the arrays of a plant where they are; as a call it would copy them all.
-    register_jitable(error_model="numpy", forceinline=True)(law)
+    register_jitable(error_model="numpy", forceinline=True, fastmath=FAST)(law)
 
 
 @cache

@@ -207,9 +207,9 @@ def held_friction(v: Any, z: Any, dt: float, drive: Drive, out: Any) -> None:
 def deliver_torques(k: int, command: Any, lag: Any, dt: float, drive: Drive, out: Any) -> None:
     """Mean torques ``out`` of the actuated shafts during sample ``k`` of ``command`` (samples, n), eq. (4).
 
-    Moves the states ``lag`` (2, n) of both stages on.
+    Moves the states ``lag`` (2, n) of both stages on; their size says how many shafts are actuated.
     """
-    for j in range(command.shape[1]):
+    for j in range(lag.shape[1]):
         late = delayed_command(command, k, j, drive.shaft[j, DELAY], dt)
         out[j], lag[0, j], lag[1, j] = delivered_torque(
             late,

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import compilation, control, drive, encoder, friction, runge_kutta
+from . import compilation, control, drive, drive_stack, encoder, friction, runge_kutta, stack
 from .drive import Drive
 
 compilation.register_laws(friction, encoder, control, runge_kutta, drive)
@@ -43,13 +43,13 @@ class LoopController(NamedTuple):
     limit: float  # of the command [unit of the command]
 
 
-# Rows of a controller's memory (7, n); the last four are scratch.
-LOW_PASSED, INTEGRAL, OBSERVED, ERROR, SLOPE, RATE, SERVO = range(7)
+# Rows of a controller's memory (8, n); the last five are scratch.
+LOW_PASSED, INTEGRAL, OBSERVED, ERROR, SLOPE, RATE, SERVO, READING = range(ROWS := 8)
 
 
 def initial_memory(controller: LoopController, position: Any) -> NDArray[np.float64]:
-    """Memory (7, n) of a controller that wakes up at ``position`` (n,), the machine at rest."""
-    memory = np.zeros((7, len(position)))
+    """Memory (8, n) of a controller that wakes up at ``position`` (n,), the machine at rest."""
+    memory = np.zeros((ROWS, len(position)))
     if np.any(controller.rate_from_state):
         memory[OBSERVED] = -np.linalg.solve(
             controller.rate_from_state, controller.rate_from_position @ np.asarray(position)
@@ -57,7 +57,7 @@ def initial_memory(controller: LoopController, position: Any) -> NDArray[np.floa
     return memory
 
 
-@compilation.kernel
+@compilation.part
 def control_step(
     k: int,
     reference: Any,
@@ -69,7 +69,8 @@ def control_step(
     command: Any,
 ) -> None:
     """Write ``command[k]`` (n,) from the samples (samples, n) up to ``k``; moves ``memory`` on."""
-    n = position.shape[1]
+    low, integral, observed, error, slope, rates, servo, reading = memory
+    n = low.size
     c = controller
     if c.kind == CASCADE:
         for j in range(n):
@@ -77,15 +78,15 @@ def control_step(
             value = control.cascade_p_p(reference[k, j], position[k, j], rate, c.kp[j, j], c.kv)
             command[k, j] = control.clip(value, c.limit)
         return
-    low, integral, observed, error, slope, rates, servo = memory
     decay = control.derivative_decay(c.cutoff, dt)
     for j in range(n):
-        error[j] = reference[k, j] - position[k, j]
+        reading[j] = position[k, j]
+        error[j] = reference[k, j] - reading[j]
         slope[j] = control.filtered_derivative(error[j], low[j], c.cutoff)
         low[j] = control.low_pass(error[j], low[j], decay)
     for i in range(n):
         rates[i] = control.observed_rate(
-            i, c.rate_from_state, c.rate_from_position, observed, position[k]
+            i, c.rate_from_state, c.rate_from_position, observed, reading
         )
         servo[i] = c.feedforward * reference_acceleration[k, i] + control.pid(
             i, c.kp, c.ki, c.kd, error, integral, slope
@@ -98,7 +99,7 @@ def control_step(
         rates[i] = command[k - 1, i] if k > 0 else 0.0
     for i in range(n):
         slope[i] = control.observer_next(
-            i, c.transition, c.from_position, c.from_torque, observed, position[k], rates
+            i, c.transition, c.from_position, c.from_torque, observed, reading, rates
         )
     for i in range(n):
         observed[i] = slope[i]
@@ -121,7 +122,6 @@ def replay_controller(
         )
 
 
-@compilation.kernel
 def simulate(
     reference: Any,
     reference_acceleration: Any,
@@ -141,13 +141,38 @@ def simulate(
     ``delivered[k]`` is the mean torque at the shafts during sample ``k``. The encoders sit on the
     first n shafts of the plant; a flexible plant has more.
     """
-    samples, n = reference.shape
-    shafts = plant.shaft.shape[0]
-    q = np.zeros(shafts)
+    _simulate(
+        reference, reference_acceleration, plant, drive_stack.sizes(plant), stack.axis(reference.shape[1]), controller, dt,
+        substeps, lsb, memory, position, command, delivered,
+    )  # fmt: skip
+
+
+@compilation.kernel
+def _simulate(
+    reference: Any,
+    reference_acceleration: Any,
+    given: Drive,
+    sizes: drive_stack.Sizes,
+    sensors: stack.Axis,
+    controller: LoopController,
+    dt: float,
+    substeps: int,
+    lsb: float,
+    start: Any,
+    position: Any,
+    command: Any,
+    delivered: Any,
+) -> None:
+    n, shafts = len(sensors), len(sizes.shafts)
+    samples = position.shape[0]
+    plant = drive_stack.plant_on_stack(given, sizes)
+    memory = drive_stack.memory_on_stack(sensors)
+    for j in range(n):
+        memory[LOW_PASSED][j], memory[INTEGRAL][j] = start[LOW_PASSED, j], start[INTEGRAL, j]
+        memory[OBSERVED][j] = start[OBSERVED, j]
+    q, v, z, held, lag, torque, work = drive_stack.state_on_stack(sizes, sensors)
     for j in range(shafts):
         q[j] = position[0, j % n]
-    v, z, held, lag, torque = rest(plant)
-    work = drive.work_arrays(shafts)
     for k in range(samples):
         for j in range(n):
             position[k, j] = encoder.read(q[j], lsb)
@@ -159,7 +184,6 @@ def simulate(
             delivered[k, j] = torque[j]
 
 
-@compilation.kernel
 def predict(
     position: Any,
     command: Any,
@@ -176,14 +200,29 @@ def predict(
     the encoder's noise, whatever the controller; low frequencies weigh more at a low bandwidth.
     Driven shafts without an encoder are corrected with the shaft that drives them.
     """
-    samples, n = position.shape
-    shafts = plant.shaft.shape[0]
+    sensors = stack.axis(position.shape[1])
+    sizes = drive_stack.sizes(plant)
+    _predict(position, command, plant, sizes, sensors, dt, substeps, bandwidth, residual)
+
+
+@compilation.kernel
+def _predict(
+    position: Any,
+    command: Any,
+    given: Drive,
+    sizes: drive_stack.Sizes,
+    sensors: stack.Axis,
+    dt: float,
+    substeps: int,
+    bandwidth: float,
+    residual: Any,
+) -> None:
+    samples, n, shafts = position.shape[0], len(sensors), len(sizes.shafts)
     alpha, beta = correction_gains(bandwidth, dt)
-    q = np.zeros(shafts)
+    plant = drive_stack.plant_on_stack(given, sizes)
+    q, v, z, held, lag, torque, work = drive_stack.state_on_stack(sizes, sensors)
     for j in range(shafts):
         q[j] = position[0, j % n]
-    v, z, held, lag, torque = rest(plant)
-    work = drive.work_arrays(shafts)
     for k in range(samples):
         for j in range(n):
             residual[k, j] = position[k, j] - q[j]
@@ -193,7 +232,7 @@ def predict(
         advance(k, q, v, z, held, lag, torque, command, plant, dt, substeps, work)
 
 
-@compilation.kernel
+@compilation.part
 def correction_gains(bandwidth: float, dt: float) -> tuple[float, float]:
     """Gains on position [-] and speed [1/s] of the double pole exp(-bandwidth dt)."""
     pole = np.exp(-bandwidth * dt)
@@ -201,10 +240,10 @@ def correction_gains(bandwidth: float, dt: float) -> tuple[float, float]:
 
 
 @compilation.kernel
-def rest(plant: Drive) -> tuple[Any, ...]:
-    """Speeds, bristle deflections, held forces, lag states and torques of a machine at rest."""
+def rest(plant: Drive, actuated: int) -> tuple[Any, ...]:
+    """Speeds, bristle deflections, held forces, lag states of the ``actuated`` shafts and torques, at rest."""
     m, shafts = plant.elements.shape
-    return np.zeros(shafts), np.zeros(m), np.zeros(m), np.zeros((2, shafts)), np.zeros(shafts)
+    return np.zeros(shafts), np.zeros(m), np.zeros(m), np.zeros((2, actuated)), np.zeros(shafts)
 
 
 @compilation.kernel
@@ -238,7 +277,7 @@ def acceleration(
     drive.acceleration(q, v, held, torque, t, plant, work, out)
 
 
-@compilation.kernel
+@compilation.part
 def advance(
     k: int,
     q: Any,

@@ -25,13 +25,15 @@ from typing import Any
 
 import numpy as np
 
+from . import elementary
+
 # A scalar that is a float, an AutoDiffXd or an Expression: every law here takes any of them.
 Scalar = Any
 
 
 def smooth_sign(v: Scalar, width: Scalar) -> Scalar:
     """Odd step from -1 to 1 that replaces sgn(v); 76 % of the step at ``v = width``."""
-    return np.tanh(v / width)
+    return elementary.tanh(v / width)
 
 
 def viscous(v: Scalar, coefficient: Scalar, skew: Scalar = 0.0) -> Scalar:
@@ -97,7 +99,7 @@ def sech_dry(
 
     ``alpha`` and ``beta`` in 1/speed: how fast the excess decays and the sign changes.
     """
-    return viscous * v + (coulomb + excess / np.cosh(alpha * v)) * np.tanh(beta * v)
+    return viscous * v + (coulomb + excess / np.cosh(alpha * v)) * elementary.tanh(beta * v)
 
 
 def stribeck_level(

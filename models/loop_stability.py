@@ -19,6 +19,7 @@ from .drive_kernels import (
     INTEGRAL,
     LOW_PASSED,
     OBSERVED,
+    ROWS,
     LoopController,
     advance,
     control_step,
@@ -92,13 +93,13 @@ def _probe(
     shafts, n = plant.shaft.shape[0], controller.kp.shape[0]
     m = plant.elements.shape[0]
     zero = np.zeros((past + 1, n))
-    z, held, torque, lag = np.zeros(m), np.zeros(m), np.zeros(shafts), np.zeros((2, shafts))
+    z, held, torque, lag = np.zeros(m), np.zeros(m), np.zeros(shafts), np.zeros((2, n))
     work = drive.work_arrays(shafts)
     for i in range(states.shape[0]):
         x = states[i]
         q, v = x[:shafts].copy(), x[shafts : 2 * shafts].copy()
         rest = x[2 * shafts :].copy().reshape((5 + past, n))
-        memory = np.zeros((7, n))
+        memory = np.zeros((ROWS, n))
         memory[LOW_PASSED], memory[OBSERVED], memory[INTEGRAL] = rest[0], rest[1], rest[2]
         position, command = np.zeros((past + 1, n)), np.zeros((past + 1, n))
         command[:past] = rest[5:]

@@ -39,19 +39,24 @@ def ode4_step(
     ``scratch`` is that of the law, ``work`` that of ``work_arrays``. An ``n`` known at compile time unrolls the loops.
     """
     a, q_stage, v_stage, q_sum, v_sum = work
+    law(q, v, held, torque, t, plant, scratch, a)
     for j in range(n):
-        q_stage[j], v_stage[j] = q[j], v[j]
-        q_sum[j] = v_sum[j] = 0.0
-    for stage in range(4):
-        ahead = 0.0 if stage == 0 else (dt if stage == 3 else 0.5 * dt)
-        law(q_stage, v_stage, held, torque, t + ahead, plant, scratch, a)
-        weight = 2.0 if stage in (1, 2) else 1.0
-        following = dt if stage == 2 else 0.5 * dt
-        for j in range(n):
-            q_sum[j] += weight * v_stage[j]
-            v_sum[j] += weight * a[j]
-            q_stage[j] = q[j] + following * v_stage[j]
-            v_stage[j] = v[j] + following * a[j]
+        q_sum[j], v_sum[j] = v[j], a[j]
+        q_stage[j] = q[j] + 0.5 * dt * v[j]
+        v_stage[j] = v[j] + 0.5 * dt * a[j]
+    law(q_stage, v_stage, held, torque, t + 0.5 * dt, plant, scratch, a)
     for j in range(n):
-        q[j] += dt / 6.0 * q_sum[j]
-        v[j] += dt / 6.0 * v_sum[j]
+        q_sum[j] += 2.0 * v_stage[j]
+        v_sum[j] += 2.0 * a[j]
+        q_stage[j] = q[j] + 0.5 * dt * v_stage[j]
+        v_stage[j] = v[j] + 0.5 * dt * a[j]
+    law(q_stage, v_stage, held, torque, t + 0.5 * dt, plant, scratch, a)
+    for j in range(n):
+        q_sum[j] += 2.0 * v_stage[j]
+        v_sum[j] += 2.0 * a[j]
+        q_stage[j] = q[j] + dt * v_stage[j]
+        v_stage[j] = v[j] + dt * a[j]
+    law(q_stage, v_stage, held, torque, t + dt, plant, scratch, a)
+    for j in range(n):
+        q[j] += dt / 6.0 * (q_sum[j] + v_stage[j])
+        v[j] += dt / 6.0 * (v_sum[j] + a[j])

@@ -57,7 +57,7 @@ def play(
     return motion
 
 
-@compilation.kernel
+@compilation.part
 def _advance(state: Any, voltage: float, slope: float, h: float, load: float, actuator: Any) -> Any:
     k1 = stick_slip.derivatives(state, voltage, slope, load, actuator)
     middle = voltage + 0.5 * h * slope
@@ -77,7 +77,7 @@ def _advance(state: Any, voltage: float, slope: float, h: float, load: float, ac
     )
 
 
-@compilation.kernel
+@compilation.part
 def _along(state: Any, h: float, rate: Any) -> Any:
     return (
         state[0] + h * rate[0],

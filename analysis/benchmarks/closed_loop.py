@@ -108,11 +108,11 @@ def c_constants(config: CDriveLoopConfig) -> NDArray[np.float64]:
 
 
 def interpreted(module: ModuleType, name: str) -> Callable[..., Any]:
-    """The kernel ``name`` of ``module`` as plain Python, with every kernel that it calls there."""
+    """The kernel ``name`` of ``module`` as plain Python, with every function that it calls there."""
     space = dict(vars(module))
     for key, value in vars(module).items():
-        plain = getattr(value, "py_func", None)
-        if plain is not None:
+        plain = getattr(value, "py_func", value)
+        if isinstance(plain, FunctionType) and plain.__module__ == module.__name__:
             space[key] = FunctionType(plain.__code__, space, key, plain.__defaults__)
     return space[name]
 

@@ -82,7 +82,7 @@ def test_a_wrong_loop_is_found(monkeypatch):
 def test_plain_python_runs_no_compiled_kernel():
     space = closed_loop.interpreted(drive_kernels, "simulate").__globals__
     kernels = [name for name, value in vars(drive_kernels).items() if hasattr(value, "py_func")]
-    assert {"simulate", "control_step", "advance", "rest"} <= set(kernels)
+    assert {"_simulate", "control_step", "advance", "rest"} <= set(kernels)
     assert [name for name in kernels if hasattr(space[name], "py_func")] == []
 
 
