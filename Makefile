@@ -18,7 +18,7 @@ studies: $(VENV)/installed
 
 # The public API from its docstrings, a static site in out/docs/.
 docs: $(VENV)/installed
-	$(BIN)/pdoc --docformat numpy --math --output-directory out/docs \
+	$(BIN)/pdoc --docformat numpy --math --template-directory .ci/docs --output-directory out/docs \
 		gapscope.models gapscope.systems gapscope.diagrams gapscope.analysis
 	$(BIN)/python -c 'from pathlib import Path; print(Path("out/docs/index.html").resolve())'
 
