@@ -74,15 +74,7 @@ class FourierMotion:
 
     def sample(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Positions, rates and accelerations at times ``t`` [s]: arrays (..., shafts)."""
-        w = 2.0 * np.pi / self.period
-        k = np.arange(1, len(self.cosine[0]) + 1)
-        phase = np.multiply.outer(np.asarray(t, dtype=float), k * w)
-        cos, sin = np.cos(phase), np.sin(phase)
-        c, s = np.array(self.cosine).T, np.array(self.sine).T
-        kw = (k * w)[:, None]
-        rate = cos @ (kw * s) - sin @ (kw * c)
-        acceleration = -cos @ (kw**2 * c) - sin @ (kw**2 * s)
-        return _floats((cos - 1.0) @ c + sin @ s), _floats(rate), _floats(acceleration)
+        return series(np.array(self.cosine), np.array(self.sine), self.period, t)
 
     def times(self, dt: float) -> Array:
         """Sample times of all cycles [s]."""
@@ -102,6 +94,22 @@ class FourierMotion:
             "sine": [[float(v) for v in row] for row in self.sine],
         }
         return yaml.safe_dump(document, sort_keys=False)
+
+
+def series(cosine: Array, sine: Array, period: float, t: ArrayLike) -> tuple[Array, Array, Array]:
+    """Positions, rates and accelerations (..., shafts) of the sum above at times ``t`` [s], with any ends.
+
+    ``cosine`` and ``sine`` are (shafts, harmonics).
+    """
+    w = 2.0 * np.pi / period
+    k = np.arange(1, cosine.shape[1] + 1)
+    phase = np.multiply.outer(np.asarray(t, dtype=float), k * w)
+    cos, sin = np.cos(phase), np.sin(phase)
+    c, s = cosine.T, sine.T
+    kw = (k * w)[:, None]
+    rate = cos @ (kw * s) - sin @ (kw * c)
+    acceleration = -cos @ (kw**2 * c) - sin @ (kw**2 * s)
+    return _floats((cos - 1.0) @ c + sin @ s), _floats(rate), _floats(acceleration)
 
 
 def load_motion(path: str | Path) -> FourierMotion:

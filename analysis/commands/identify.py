@@ -15,12 +15,20 @@ def identify(
     budget: Annotated[int, typer.Option(min=500, help="Motions each search may try.")] = 6000,
     repeats: Annotated[int, typer.Option(min=0, help="Repetitions of the noise.")] = 50,
     seed: Annotated[int, typer.Option(min=0, help="Of machine, noise and searches.")] = 0,
+    at_rest: Annotated[
+        bool,
+        typer.Option(
+            "--at-rest", help="Cycles start without speed, which the printed 2prr's do not."
+        ),
+    ] = False,
 ) -> None:
     """Base parameters, exciting motion, estimates with intervals, validation, SDF.
 
     The measurement is simulated by the machine's plant with closures, with planted parameters, friction and
     noise. `pattern` and `cma` need the optional extra `identification` of gapscope.
     """
+    from dataclasses import replace
+
     from rich.progress import Progress
     from threadpoolctl import threadpool_limits
 
@@ -28,6 +36,8 @@ def identify(
     from ..identification import machines, report, study
 
     known, folder = machines.machine(machine), output_folder(out)
+    if at_rest:
+        known = replace(known, at_rest=True)
     wanted = tuple(word.strip() for word in methods.split(","))
     with Progress(transient=True) as progress, threadpool_limits(1):
         task = progress.add_task("identify", total=None)

@@ -25,6 +25,7 @@ DONE = 1.1  # nor does one this close call for a richer form of another effect
 ROUGH_GAIN = 0.1  # as LEAST_GAIN beside impacts, where a better optimum looks like an effect
 PROMISE = 0.25  # of the fall of a sibling's loss, asked of the start of a search for impacts
 CONTENDER = 1.5  # a search goes on while its residual is within this ratio of the best one's
+FAR = 3.0  # times the floor: a residual beyond it has the other forms of the best effect grown, too
 REFINED_REACH = 0.1  # of the score above the best one's, up to which a richer form is tried
 
 Progress = Callable[[str], None]
@@ -41,11 +42,13 @@ def attribute(
     """Every hypothesis that was tried, best first; ``floor`` in the unit of the residual."""
     plain = [form for form in forms if not form.refined]
     refined = [form for form in forms if form.refined]
-    singles = _add_each(predictor, retuned, plain, progress)
-    singles = [pruned(predictor, f) for f in best_by_ids(singles)]
+    tried = _add_each(predictor, retuned, plain, progress)
+    singles = [pruned(predictor, f) for f in best_by_ids(tried)]
     fits = [retuned, *singles]
     parents = _beam([f for f in sorted(singles, key=lambda f: f.score) if _better(f, retuned)])
     best = parents[0] if parents else retuned
+    if best.held_out_rms > FAR * floor:
+        parents += [f for f in _other_forms(tried, parents) if _better(f, retuned)]
     while parents:
         # Impacts do not repeat: they raise the floor that they are measured by.
         if best.held_out_rms < NEAR_FLOOR * floor and not best.hypothesis.rough:
@@ -88,6 +91,22 @@ def _beam(singles: Sequence[Fit]) -> list[Fit]:
         if candidate.hypothesis.forms[0].family not in families and len(chosen) < BEAM:
             chosen.append(candidate)
     return chosen
+
+
+def _other_forms(tried: Sequence[Fit], parents: Sequence[Fit]) -> list[Fit]:
+    """Fits of the best parent's effect in its other forms, where they are not far behind.
+
+    Alone, the form that imitates a missing effect best wins; beside that effect another one may.
+    """
+    best = parents[0] if parents else None
+    return [
+        f
+        for f in tried
+        if best is not None
+        and f.hypothesis.ids == best.hypothesis.ids
+        and f.hypothesis.forms[0].name != best.hypothesis.forms[0].name
+        and f.rms < CONTENDER * best.rms
+    ]
 
 
 def _better(candidate: Fit, retuned: Fit) -> bool:

@@ -1,7 +1,7 @@
 r"""Exciting motions: Fourier series inside the limits with a small condition number (Roldan, section 5.3).
 
-Position, speed and acceleration are those of ``FourierMotion`` (5.32)-(5.34), which starts and ends at rest. A
-motion beyond the limits of position, speed or acceleration of an axis is scaled down to them; what leaves the
+Position, speed and acceleration are (5.32)-(5.34); a machine that is ``at_rest`` has cycles that start and end without
+speed and acceleration, any other enters its first cycle on the move, as the source's do. A motion beyond the limits of position, speed or acceleration of an axis is scaled down to them; what leaves the
 polygon of the joint space, or where the machine has no posture, is penalised. Four searches share this objective:
 quasi-Newton, compass (pattern) search, differential evolution and CMA-ES.
 """
@@ -17,7 +17,7 @@ import scipy.special
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from ...models.fourier_motion import FourierMotion
+from ...models import fourier_motion
 from ..errors import InputError
 from .base import condition
 from .machine import Machine
@@ -28,14 +28,27 @@ Floats = NDArray[np.float64]
 METHODS = ("gradient", "pattern", "evolution", "cma")
 CMA_ROUND = 10_000  # evaluations from one start; the condition number has many local minima
 SAMPLES = 100  # instants of a cycle in the objective
+BETWEEN = 1e-4  # of each limit, for what lies between the instants of the final check
 MARGIN = 0.002  # of each limit, kept back for what lies between the instants
 
 
+class Series(NamedTuple):
+    """A Fourier series of every axis, zero at the start of a cycle."""
+
+    period: float  # [s]
+    cosine: Floats  # (n, harmonics)
+    sine: Floats
+
+    def sample(self, t: Floats) -> tuple[Floats, Floats, Floats]:
+        """Positions, rates and accelerations (times, n)."""
+        return fourier_motion.series(self.cosine, self.sine, self.period, t)
+
+
 class Excitation(NamedTuple):
-    """A motion of all axes: ``start`` plus a Fourier motion."""
+    """A motion of all axes: ``start`` plus a series."""
 
     start: Floats  # (n,)
-    motion: FourierMotion
+    motion: Series
 
     def sample(self, t: Floats) -> tuple[Floats, Floats, Floats]:
         """Positions, rates and accelerations (times, n)."""
@@ -59,9 +72,11 @@ class Objective:
     def __init__(self, machine: Machine, kept: tuple[int, ...]) -> None:
         self.machine, self.kept = machine, list(kept)
         k, w = np.arange(1, machine.harmonics + 1), 2.0 * np.pi * machine.frequency
-        # Coefficients whose motion starts at rest and without acceleration, of unit speed.
-        self._cosines = np.linalg.svd((k**2.0)[None])[2][1:]
-        self._sines = np.linalg.svd(k[None].astype(float))[2][1:]
+        # Coefficients of unit speed: all, or those whose motion starts at rest and without acceleration.
+        self._cosines = self._sines = np.eye(k.size)
+        if machine.at_rest:
+            self._cosines = np.linalg.svd((k**2.0)[None])[2][1:]
+            self._sines = np.linalg.svd(k[None].astype(float))[2][1:]
         self._units = np.concatenate(
             [1.0 / np.linalg.norm(rows * k * w, axis=1) for rows in (self._cosines, self._sines)]
         )
@@ -92,7 +107,7 @@ class Objective:
         shape = [np.einsum("tk,nk->tn", part, amplitude) for part in self._basis]
         motion = self._motion(amplitude * self._scale(start, shape)[:, None])
         fine = motion.sample(np.linspace(0.0, motion.period, 4001))
-        extra = self._scale(start, fine, kept_back=0.0)
+        extra = self._scale(start, fine, kept_back=BETWEEN)
         return Excitation(
             start, self._motion(amplitude * self._scale(start, shape)[:, None] * extra[:, None])
         )
@@ -125,17 +140,11 @@ class Objective:
         lacking = np.maximum(MARGIN * span - self._depth(q), 0.0)
         return np.asarray(lacking.max(axis=-1) / span)
 
-    def _motion(self, amplitude: Floats) -> FourierMotion:
+    def _motion(self, amplitude: Floats) -> Series:
         half = self._cosines.shape[0]
         scaled = amplitude * self._units
         cosine, sine = scaled[:, :half] @ self._cosines, scaled[:, half:] @ self._sines
-        return FourierMotion(
-            name="excitation",
-            period=1.0 / self.machine.frequency,
-            cycles=1,
-            cosine=tuple(map(tuple, cosine.tolist())),
-            sine=tuple(map(tuple, sine.tolist())),
-        )
+        return Series(1.0 / self.machine.frequency, cosine, sine)
 
 
 def search(machine: Machine, kept: tuple[int, ...], method: str, budget: int, seed: int) -> Search:

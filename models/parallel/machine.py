@@ -1,4 +1,4 @@
-"""What control and simulation need to know of a parallel machine, and the five-bar as one."""
+"""What control and simulation need to know of a parallel machine, and each machine as one."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -7,9 +7,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import energy, five_bar, mast, prs
+from . import energy, five_bar, mast, prs, three_prs, two_prr
 from .energy import Equations, Floats
 from .five_bar import FiveBar
+from .three_prs import Flexures
+from .two_prr import TwoPRR
 
 
 class Part(Protocol):
@@ -89,16 +91,62 @@ class FiveBarMachine:
 
 
 @dataclass(frozen=True, kw_only=True)
+class TwoPRRMachine:
+    """2-PRR with parallelogram, platform below its sliders; joint coordinates are slider positions [m]."""
+
+    geometry: TwoPRR = field(default_factory=TwoPRR)
+    joints: tuple[str, ...] = ("slider1", "slider2")
+    task: tuple[str, ...] = ("x", "y")
+
+    def equations(self, q: ArrayLike, v: ArrayLike) -> Equations:
+        """Equations of motion."""
+        g = self.geometry
+        return energy.equations(
+            two_prr.motion(q, v, g), np.array(g.masses), g.body_inertias, g.weight
+        )
+
+    def parts(self) -> Mapping[str, Part]:
+        """The machine, and one kilogram on the platform."""
+        alone = replace(
+            self.geometry, masses=(0.0, 0.0, 0.0, 0.0, 0.0, 1.0), bar_inertias=(0.0, 0.0, 0.0)
+        )
+        return {"machine": self, "platform": replace(self, geometry=alone)}
+
+    def forward(self, q: ArrayLike) -> Floats:
+        """Platform positions [m]."""
+        return two_prr.forward(q, self.geometry)
+
+    def inverse(self, x: ArrayLike) -> Floats:
+        """Slider positions [m]."""
+        return two_prr.inverse(x, self.geometry)
+
+    def task_motion(self, q: ArrayLike, v: ArrayLike) -> tuple[Floats, Floats]:
+        """Jacobian and drift of the platform, which does not turn."""
+        motion = two_prr.motion(q, v, self.geometry)
+        platform = two_prr.BODIES.index("platform")
+        return motion.jacobian[..., platform, :2, :], motion.drift[..., platform, :2]
+
+
+@dataclass(frozen=True, kw_only=True)
 class TableMachine:
-    """A table on three P-R-S legs; joint coordinates are slider positions [m]."""
+    """A table on three P-R-S legs; joint coordinates are slider positions [m].
+
+    With ``flexures`` for its passive joints, level and unloaded at slider positions zero.
+    """
 
     table: prs.Table = mast.MAST
+    flexures: Flexures | None = None
     joints: tuple[str, ...] = ("slider1", "slider2", "slider3")
     task: tuple[str, ...] = ("z", "psi", "theta")
 
     def equations(self, q: ArrayLike, v: ArrayLike) -> Equations:
-        """Equations of motion."""
-        return prs.dynamics(q, v, self.table)
+        """Equations of motion; what the flexures pull stands with gravity."""
+        x = prs.forward(q, self.table)
+        rigid = prs.dynamics(q, v, self.table, x)
+        if self.flexures is None:
+            return rigid
+        pull = three_prs.elastic_force(x, q, self.table, self.flexures)
+        return rigid._replace(gravity=rigid.gravity + pull)
 
     def parts(self) -> Mapping[str, Part]:
         """The table, and one kilogram at the platform's origin."""
@@ -111,7 +159,7 @@ class TableMachine:
             carriage_mass=0.0,
             platform_centre=(0.0, 0.0, 0.0),
         )
-        return {"machine": self, "platform": replace(self, table=alone)}
+        return {"machine": self, "platform": replace(self, table=alone, flexures=None)}
 
     def forward(self, q: ArrayLike) -> Floats:
         """Height [m] and angles psi, theta [rad] of the platform."""

@@ -11,6 +11,7 @@ Printed: L, b, alpha, the bars' section and density, the flexures' stiffness. As
 7.5 mm thick (Table 3) with radius 60 mm, its centre of mass at P, and carriages of 0.3 kg.
 """
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -29,8 +30,21 @@ PLATE_MASS = DENSITY * np.pi * PLATE_RADIUS**2 * PLATE  # [kg]
 TILTING = PLATE_MASS * (3.0 * PLATE_RADIUS**2 + PLATE**2) / 12.0
 SPINNING = PLATE_MASS * PLATE_RADIUS**2 / 2.0
 
-REVOLUTE_STIFFNESS = 98.37  # about the hinge [N m/rad]
-BENDING_STIFFNESS, TORSION_STIFFNESS = 32.67, 24.46  # of a spherical flexure [N m/rad]
+
+@dataclass(frozen=True, kw_only=True)
+class Flexures:
+    """Stiffness of the passive joints; defaults are printed. Raises ValueError for a negative one."""
+
+    revolute: float = 98.37  # about the hinge [N m/rad]
+    bending: float = 32.67  # of a spherical flexure [N m/rad]
+    torsion: float = 24.46  # the same, about its bar [N m/rad]
+
+    def __post_init__(self) -> None:
+        if min(vars(self).values()) < 0.0:
+            raise ValueError(f"stiffnesses are {vars(self)}; expected values of at least 0 N m/rad")
+
+
+FLEXURES = Flexures()
 
 THREE_PRS = prs.Table(
     azimuths=(0.0, 2.0 * np.pi / 3.0, 4.0 * np.pi / 3.0),
@@ -84,12 +98,40 @@ def joint_angles(task: ArrayLike, table: prs.Table = THREE_PRS) -> JointAngles:
     )
 
 
-def elastic_energy(task: ArrayLike, table: prs.Table = THREE_PRS) -> Floats:
+def elastic_energy(
+    task: ArrayLike, table: prs.Table = THREE_PRS, flexures: Flexures = FLEXURES
+) -> Floats:
     """Energy (...) stored in the flexures [J], linear in their angles."""
     j = joint_angles(task, table)
-    revolute = REVOLUTE_STIFFNESS * (j.revolute - SLOPE) ** 2
-    bending = BENDING_STIFFNESS * (j.bending_m**2 + j.bending_n**2)
-    return np.asarray(0.5 * np.sum(revolute + bending + TORSION_STIFFNESS * j.torsion**2, axis=-1))
+    revolute = flexures.revolute * (j.revolute - _home_slope(table)) ** 2
+    bending = flexures.bending * (j.bending_m**2 + j.bending_n**2)
+    return np.asarray(0.5 * np.sum(revolute + bending + flexures.torsion * j.torsion**2, axis=-1))
+
+
+def elastic_force(
+    task: ArrayLike,
+    sliders: ArrayLike,
+    table: prs.Table = THREE_PRS,
+    flexures: Flexures = FLEXURES,
+) -> Floats:
+    """Slider forces (..., 3) that hold the flexures at tasks and slider positions (..., 3) [N].
+
+    Central differences of the energy by the tasks, steps of 1e-6 m and rad.
+    """
+    x, step = np.asarray(task, dtype=float), 1e-6
+    ahead, behind = (
+        elastic_energy(x[..., None, :] + sign * step * np.eye(3), table, flexures)
+        for sign in (1.0, -1.0)
+    )
+    slope = (ahead - behind) / (2.0 * step)
+    return np.asarray(np.einsum("...ij,...i->...j", prs.task_jacobian(x, sliders, table), slope))
+
+
+def _home_slope(table: prs.Table) -> float:
+    """Angle between bar and slider with the platform level at home [rad]."""
+    level = np.array([table.home, 0.0, 0.0])
+    bar = prs.bars(prs.pose(level, table), prs.inverse(level, table), table)[0] / table.bar
+    return float(np.arccos(bar @ table.along[0]))
 
 
 def _frame(bar: Floats, table: prs.Table) -> Floats:

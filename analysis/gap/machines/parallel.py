@@ -1,4 +1,4 @@
-"""Nominal models of closed chains (``system.kind: five_bar``, ``mast``): geometry, axes and their logs.
+"""Nominal models of closed chains (``system.kind: five_bar``, ``two_prr``, ``mast``, ``three_prs``) and their logs.
 
 Columns of joint i: ``q{i}_ref`` and ``q{i}`` (rad, or m on a guide), and the motor's ``current{i}`` in A.
 """
@@ -12,8 +12,16 @@ import numpy as np
 from ....models.dc_motor import joint_per_motor
 from ....models.drive import BACKWARD, FORWARD, WIDTH, ideal_drive
 from ....models.parallel.five_bar import FiveBar
-from ....models.parallel.machine import FiveBarMachine, ParallelMachine, TableMachine
+from ....models.parallel.machine import (
+    FiveBarMachine,
+    ParallelMachine,
+    TableMachine,
+    TwoPRRMachine,
+)
 from ....models.parallel.mast import MAST
+from ....models.parallel.prs import Table
+from ....models.parallel.three_prs import FLEXURES, THREE_PRS, Flexures
+from ....models.parallel.two_prr import TwoPRR
 from ...errors import InputError
 from ..chain_machine import ChainMachine, ChainPlant, ChainRun, chain_plant, tables
 from ..logset import FILE, LogSet, Run
@@ -55,22 +63,52 @@ def _five_bar(nominal: Settings) -> ParallelMachine:
     return FiveBarMachine(geometry=geometry)
 
 
+def _two_prr(nominal: Settings) -> ParallelMachine:
+    d = TwoPRR()
+    # Table 6.2 counts the axes in its masses of the sliders, here they are those of the rotors.
+    sliders = (nominal.number("mass1_kg"), nominal.number("mass2_kg"))
+    bars = [nominal.number(f"mass{i}_kg", d.masses[i - 1]) for i in (3, 4, 5, 6)]
+    inertias: Any = tuple(
+        nominal.number(f"inertia{i}_kg_m2", d.bar_inertias[i - 3]) for i in (3, 4, 5)
+    )
+    geometry = TwoPRR(
+        span=nominal.number("span_m", d.span),
+        bar=nominal.number("bar_m", d.bar),
+        offset=nominal.number("offset_m", d.offset),
+        masses=(*sliders, *bars),
+        bar_inertias=inertias,
+    )
+    return TwoPRRMachine(geometry=geometry)
+
+
 def _mast(nominal: Settings) -> ParallelMachine:
-    mass = nominal.number("platform_mass_kg", MAST.platform_mass, positive=True)
-    scale = mass / MAST.platform_mass
-    inertia: Any = tuple(scale * i for i in MAST.platform_inertia)
-    bar = nominal.number("bar_mass_kg", MAST.bar_mass, positive=True)
-    return TableMachine(
-        table=replace(
-            MAST,
-            platform_mass=mass,
-            platform_inertia=inertia,
-            bar_mass=bar,
-            bar_inertia=MAST.bar_inertia * bar / MAST.bar_mass,
-        )
+    return TableMachine(table=_table(nominal, MAST))
+
+
+def _three_prs(nominal: Settings) -> ParallelMachine:
+    flexures = Flexures(**{
+        name: nominal.number(f"{name}_stiffness_Nm_per_rad", default)
+        for name, default in vars(FLEXURES).items()
+    })  # fmt: skip
+    return TableMachine(table=_table(nominal, THREE_PRS), flexures=flexures)
+
+
+def _table(nominal: Settings, table: Table) -> Table:
+    """The table with other masses; inertias go with them."""
+    mass = nominal.number("platform_mass_kg", table.platform_mass, positive=True)
+    inertia: Any = tuple(mass / table.platform_mass * i for i in table.platform_inertia)
+    bar = nominal.number("bar_mass_kg", table.bar_mass, positive=True)
+    return replace(
+        table,
+        platform_mass=mass,
+        platform_inertia=inertia,
+        bar_mass=bar,
+        bar_inertia=table.bar_inertia * bar / table.bar_mass,
+        carriage_mass=nominal.number("carriage_mass_kg", table.carriage_mass),
     )
 
 
+TABLE_KEYS = frozenset({"platform_mass_kg", "bar_mass_kg", "carriage_mass_kg"})
 KINDS = {
     "five_bar": Kind(
         unit="rad",
@@ -80,7 +118,21 @@ KINDS = {
         ),
         build=_five_bar,
     ),
-    "mast": Kind(unit="m", keys=frozenset({"platform_mass_kg", "bar_mass_kg"}), build=_mast),
+    "two_prr": Kind(
+        unit="m",
+        keys=frozenset(
+            {"span_m", "bar_m", "offset_m"}
+            | {f"mass{i}_kg" for i in range(1, 7)}
+            | {f"inertia{i}_kg_m2" for i in (3, 4, 5)}
+        ),
+        build=_two_prr,
+    ),
+    "mast": Kind(unit="m", keys=TABLE_KEYS, build=_mast),
+    "three_prs": Kind(
+        unit="m",
+        keys=TABLE_KEYS | {f"{name}_stiffness_Nm_per_rad" for name in vars(FLEXURES)},
+        build=_three_prs,
+    ),
 }
 
 

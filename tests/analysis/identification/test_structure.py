@@ -96,7 +96,7 @@ def test_depth_in_a_polygon():
 
 @pytest.mark.parametrize("method", excitation.METHODS)
 def test_search_improves_and_keeps_the_limits(method):
-    m = replace(machines.machine("2prr"), harmonics=4)
+    m = replace(machines.machine("2prr"), harmonics=4, at_rest=True)
     kept = study.structure(m, 0)[0].kept
     first = excitation.of(m, kept, excitation.random(m, kept, 7))
     found = excitation.search(m, kept, method, budget=900, seed=7)
@@ -107,6 +107,21 @@ def test_search_improves_and_keeps_the_limits(method):
     assert (np.abs(v).max(axis=0) <= m.speed * (1 + 1e-5)).all()
     assert (np.abs(a).max(axis=0) <= m.acceleration * (1 + 1e-5)).all()
     assert np.abs(v[0]).max() < 1e-12
+
+
+@pytest.mark.slow
+def test_condition_number_of_the_2prr_is_reached():
+    """20.78 printed (6.1.4), by the series of (6.18)-(6.20), whose cycles start on the move; seed 0."""
+    m = machines.machine("2prr")
+    assert not m.at_rest
+    kept = study.structure(m, 0)[0].kept
+    found = excitation.search(m, kept, "cma", budget=20_000, seed=0)
+    q, v, a = found.excitation.sample(np.linspace(0.0, found.excitation.motion.period, 5000))
+    assert (q >= m.lower).all()
+    assert (q <= m.upper).all()
+    assert (np.abs(v).max(axis=0) <= m.speed * (1 + 1e-5)).all()
+    assert (np.abs(a).max(axis=0) <= m.acceleration * (1 + 1e-5)).all()
+    assert found.condition <= 20.78
 
 
 def test_motion_stays_in_the_polygon_and_beats_the_printed_condition_number():
