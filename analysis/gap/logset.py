@@ -110,8 +110,14 @@ class LogSet:
 def load_logset(folder: str | Path) -> LogSet:
     """Read and check a log set; raises InputError for anything that cannot be used."""
     path = Path(folder)
-    description = path / FILE if path.is_dir() else path
-    if not description.is_file():
+    try:
+        description = path / FILE if path.is_dir() else path
+        there = description.is_file()
+    except PermissionError as error:
+        raise InputError(
+            path, f"cannot be looked into ({error.strerror})", f"a folder with a file {FILE}"
+        ) from None
+    if not there:
         raise InputError(
             path,
             "no log set here",

@@ -93,6 +93,8 @@ class _readable:
         pass
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, OSError) and error.errno is not None:
+            return  # of the disk, not of what is in the file
         if isinstance(error, UnicodeDecodeError | OSError | EOFError | zlib.error):
             reason = getattr(error, "reason", None) or error
             raise InputError(

@@ -119,3 +119,12 @@ def test_a_broken_description_is_one_error(logset, text):
     (logset / "logset.yaml").write_text(text)
     with pytest.raises(InputError, match=r"logset\.yaml"):
         load_logset(logset)
+
+
+def test_a_folder_that_may_not_be_looked_into_is_one_error(tmp_path, monkeypatch):
+    def refuse(path):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("pathlib.Path.is_file", refuse)
+    with pytest.raises(InputError, match=r"cannot be looked into \(Permission denied\)"):
+        load_logset(tmp_path)

@@ -11,7 +11,7 @@ from scipy.io import loadmat, savemat
 
 from gapscope.analysis.errors import InputError
 from gapscope.analysis.gap import tables
-from gapscope.analysis.gap.tables import matlab_table
+from gapscope.analysis.gap.tables import csv_table, matlab_table
 
 SAMPLES = 300
 T = 0.001 * np.arange(SAMPLES)
@@ -192,14 +192,15 @@ def test_a_reader_that_crashes_is_one_error(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("call", [tables.read, lambda path: list(tables.blocks(path, ["t"]))])
-def test_a_file_that_may_not_be_read_is_one_error(tmp_path, monkeypatch, call):
-    def refuse(*_):
+@pytest.mark.parametrize(("name", "reader"), [("log.mat", matlab_table), ("log.csv", csv_table)])
+def test_a_file_that_may_not_be_read_is_one_error(tmp_path, monkeypatch, call, name, reader):
+    def refuse(*_, **__):
         raise PermissionError(13, "Permission denied")
 
-    savemat(tmp_path / "log.mat", {"t": T})
-    monkeypatch.setattr(matlab_table, "open", refuse, raising=False)
-    with pytest.raises(InputError, match=r"log\.mat: cannot be read \(Permission denied\)"):
-        call(tmp_path / "log.mat")
+    (tmp_path / name).write_text("t\n0\n")
+    monkeypatch.setattr(reader, "open", refuse, raising=False)
+    with pytest.raises(InputError, match=rf"{name}: cannot be read \(Permission denied\)"):
+        call(tmp_path / name)
 
 
 def test_a_file_that_only_ends_in_mat_starts_no_reader(tmp_path, monkeypatch):
