@@ -10,6 +10,7 @@ from .base import Material, Section
 from .words import confidence, listed, meaning, number, percent, place, places
 
 REMAINDER = 1.5  # times the floor from which on what is left is said in front
+NOTES = 2  # on how the log was read that stand in front
 
 TITLES = {
     "explained": "Explained",
@@ -32,6 +33,8 @@ def context(material: Material) -> dict[str, Any]:
         "where": _where(d),
         "reason": d.verdict.reason,
         "figures": _figures(d),
+        "notes": d.logset.notes[:NOTES],
+        "more_notes": len(d.logset.notes[NOTES:]),
     }
 
 

@@ -145,6 +145,17 @@ def test_how_far_has_an_interval_beside_each_measured_level(diagnosed, page):
         assert ends == (None if s.intervals[name] is None else list(s.intervals[name]))
 
 
+def test_how_the_log_was_read_is_said_in_front(diagnosed):
+    d = diagnosed["friction"]
+    notes = ("10 stretches stand for it", "the clock jitters", "so does this one")
+    said = outline(replace(d, logset=replace(d.logset, notes=notes))).words
+    front = said[: said.index("What makes up the gap Rms")]
+    assert "How the log was read: 10 stretches stand for it" in front
+    assert "How the log was read: the clock jitters" in front
+    assert "so does this one" not in front
+    assert "1 more such notes" in front
+
+
 def test_every_hypothesis_is_ranked_with_a_reason(diagnosed, page):
     said = Outline(page).words
     for ranked in diagnosed["friction"].ranking:
