@@ -131,9 +131,10 @@ class Fit:
         """
         if self.residual.size == 0 or self.residual.size != retuned.residual.size:
             return None
-        change = retuned.residual - self.residual
-        size = float(np.linalg.norm(change) * np.linalg.norm(retuned.residual))
-        return float(change @ retuned.residual) / size if size > 0.0 else 0.0
+        lacking, change = retuned.residual, retuned.residual - self.residual
+        # Sums, not BLAS, whose last bits depend on how many threads a process gives it.
+        size = float(np.sqrt(np.sum(change**2) * np.sum(lacking**2)))
+        return float(np.sum(change * lacking)) / size if size > 0.0 else 0.0
 
     def called_by_values(self) -> "Fit":
         """This fit with each form that its values make one of another effect called by that effect."""

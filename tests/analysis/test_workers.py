@@ -15,6 +15,8 @@ from gapscope.analysis.resumable import resumable_map
 from gapscope.analysis.workers import ATTEMPTS, each
 from gapscope.models.pmc.geometry import Geometry
 
+from .blind_runs import outcome
+
 
 @pytest.fixture(scope="module")
 def scheduler(tmp_path_factory):
@@ -124,6 +126,32 @@ def test_a_blind_run_on_the_cluster_is_the_run_of_one_process(scheduler, tmp_pat
     assert [answer for answer, _ in one] == [answer for answer, _ in many]
     assert [r["diagnosis"] for _, r in one] == [r["diagnosis"] for _, r in many]
     assert (tmp_path / "many" / "diagnoses" / "case_0000" / "diagnosis.json").exists()
+
+
+@pytest.mark.slow
+def test_real_blind_cases_survive_a_killed_worker_of_the_cluster_bit_for_bit(tmp_path):
+    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
+    blind_check.run(seed=12, cases=3, out=tmp_path / "alone")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None,
+        local_directory=str(tmp_path / "dask"),
+    ) as cluster:  # fmt: skip
+        killed = []
+
+        def kill_one(stage, done, total):
+            if stage == "diagnose" and done == 1:
+                with distributed.Client(cluster) as client:
+                    busy = next(worker for worker, tasks in client.processing().items() if tasks)
+                    killed.append(client.run(os.getpid)[busy])
+                os.kill(killed[0], signal.SIGKILL)
+
+        blind_check.run(
+            seed=12, cases=3, out=tmp_path / "many", cluster=cluster.scheduler_address,
+            progress=kill_one,
+        )  # fmt: skip
+        with distributed.Client(cluster) as client:
+            assert killed[0] not in client.run(os.getpid).values()
+    assert outcome(tmp_path / "many") == outcome(tmp_path / "alone")
 
 
 def test_errors_of_a_case_come_through(share):
