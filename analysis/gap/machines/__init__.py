@@ -8,7 +8,7 @@ from ....models.encoder import resolution
 from ...errors import InputError
 from ..logset import FILE, MODEL_FILE, LogSet
 from ..machine import Machine, RunData
-from . import c_drive, furuta, mm3a, model_file, parallel, pendulum, piezo_stack, pmc, slider
+from . import c_drive, furuta, mm3a, model_file, parallel, pendulum, piezo_stack, pmc, serial_arm, slider
 
 KINDS: dict[str, Callable[[LogSet], tuple[Machine, list[RunData]]]] = {
     "c_drive": c_drive.read,
@@ -18,6 +18,7 @@ KINDS: dict[str, Callable[[LogSet], tuple[Machine, list[RunData]]]] = {
     "pendulum": pendulum.read,
     "piezo_stack": piezo_stack.read,
     "pmc": pmc.read,
+    "serial_arm": serial_arm.read,
     "slider": slider.read,
     **{kind: parallel.reader(kind) for kind in parallel.KINDS},
 }

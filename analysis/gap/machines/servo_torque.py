@@ -1,0 +1,51 @@
+"""What an unsigned servo torque says beside the angles: at rest it is the error times the stiffness.
+
+A proportional servo that stands still holds its load by the error it sees. If the logged error grows with
+the logged torque, the servo sees what is logged; an error without torque is one that the servo does not
+see: a false zero, or a clearance behind its encoder.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.stats import spearmanr
+
+from ..machine import Array
+
+if TYPE_CHECKING:
+    from .serial_arm import ArmRun
+
+AT_REST = 50  # samples over which no joint's reference has moved
+SEES = 0.5  # rank correlation from which on the servo sees the logged error
+FEWEST = 200  # samples at rest
+
+
+def at_rest(run: "ArmRun") -> Array:
+    """Which samples (fine,) come after ``AT_REST`` samples without a change of any reference."""
+    moved = np.any(np.diff(run.fine_reference, axis=1) != 0.0, axis=0)
+    count = np.concatenate([[0], np.cumsum(moved)])
+    still = np.zeros(count.size, dtype=bool)
+    still[AT_REST:] = count[AT_REST:] == count[:-AT_REST]
+    return still
+
+
+def errors_and_torques(runs: "Sequence[ArmRun]") -> tuple[Array, Array]:
+    """Measured less asked angles [rad] and torque magnitudes [N m] at rest, both (samples, joints)."""
+    errors, torques = [], []
+    for run in runs:
+        if run.torque is not None:
+            rest = at_rest(run)
+            errors.append((run.fine_position - run.fine_reference).T[rest])
+            torques.append(run.torque[rest])
+    if not errors:
+        return np.zeros((0, 0)), np.zeros((0, 0))
+    return np.concatenate(errors), np.concatenate(torques)
+
+
+def loop_acts_on_log(runs: "Sequence[ArmRun]") -> bool:
+    """Whether the torque at rest follows the logged error, over all joints together."""
+    errors, torques = errors_and_torques(runs)
+    if len(errors) < FEWEST or np.ptp(torques) == 0.0 or np.ptp(np.abs(errors)) == 0.0:
+        return False
+    return float(spearmanr(np.abs(errors).ravel(), torques.ravel()).statistic) > SEES
