@@ -6,7 +6,7 @@ the servo against them:
 
 1. motion: :math:`a\ddot q = \mathrm{sat}(r - q) + g - T\dot q - f\,\mathrm{sgn}\,\dot q`, with the inertia
    over stiffness a, the damping over stiffness T (a time constant), the load g and the dry friction
-   f = level (1 + b exp(-(q'/v_s)^2)) + share \|g\|;
+   f = level + share \|g\|;
 2. a step of h seconds, implicit in speed, damping, stiffness and friction:
    :math:`\dot q^+ = S(a\dot q + h(r - q + g),\ hf) / (a + hT + h^2)`, S the soft threshold of (3);
 3. :math:`S(x, w) = \mathrm{sgn}(x)\max(|x| - w, 0)`: sticking is exact, and a = T = 0 is a play operator;
@@ -31,8 +31,6 @@ class PositionServo(NamedTuple):
     damping: float  # T [s]
     inertia: float  # a [s^2]
     level: float  # dry friction [rad]
-    breakaway: float  # b, further friction at rest [-]
-    stribeck_speed: float  # v_s [rad/s]
     share: float  # of the load that is friction [-]
     speed_limit: float  # [rad/s]
     error_limit: float  # largest error that adds torque [rad]
@@ -46,7 +44,7 @@ class PositionServo(NamedTuple):
 def ideal_servo(damping: float, inertia: float, delay: float) -> PositionServo:
     """A servo without friction, limits, clearance or sensor errors."""
     return PositionServo(
-        damping=damping, inertia=inertia, level=0.0, breakaway=0.0, stribeck_speed=1.0, share=0.0,
+        damping=damping, inertia=inertia, level=0.0, share=0.0,
         speed_limit=np.inf, error_limit=np.inf, delay=delay, lag=0.0, gap=0.0, scale_error=0.0,
         zero=0.0,
     )  # fmt: skip
@@ -61,10 +59,9 @@ def soft_threshold(x: Any, width: Any) -> Any:
     return 0.0 * x
 
 
-def friction(rate: Any, load: Any, servo: Any) -> Any:
-    """Dry friction f of (1) at ``rate`` [rad/s] under ``load`` [rad], in rad."""
-    at_rest = servo.breakaway * np.exp(-((rate / servo.stribeck_speed) ** 2))
-    return servo.level * (1.0 + at_rest) + servo.share * np.abs(load)
+def friction(load: Any, servo: Any) -> Any:
+    """Dry friction f of (1) under ``load`` [rad], in rad."""
+    return servo.level + servo.share * np.abs(load)
 
 
 def next_rate(error: Any, rate: Any, load: Any, servo: Any, h: Any) -> Any:
@@ -75,7 +72,7 @@ def next_rate(error: Any, rate: Any, load: Any, servo: Any, h: Any) -> Any:
         stiff = 0.0
         drive = np.sign(error) * servo.error_limit
     push = servo.inertia * rate + h * (drive + load)
-    resisted = soft_threshold(push, h * friction(rate, load, servo))
+    resisted = soft_threshold(push, h * friction(load, servo))
     found = resisted / (servo.inertia + h * servo.damping + stiff)
     return min(max(found, -servo.speed_limit), servo.speed_limit)
 

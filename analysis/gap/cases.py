@@ -145,12 +145,15 @@ def _effects(effects: Sequence[dict[str, Any]]) -> list[str]:
         return []
     lines = ["| effect | form | where | probability | parameters |", "|---|---|---|---|---|"]
     for e in effects:
-        where = ", ".join(str(place) for places in e["where"].values() for place in places)
         lines.append(
-            f"| {e['id']} | {e['form']} | {where} | {e['probability']:.3f} "
+            f"| {e['id']} | {e['form']} | {_places(e['where'])} | {e['probability']:.3f} "
             f"| {_parameters(e['parameters'])} |"
         )
     return [*lines, ""]
+
+
+def _places(where: dict[str, Any]) -> str:
+    return ", ".join(str(place) for places in where.values() for place in places)
 
 
 def _leading(r: dict[str, Any], case: Case) -> list[str]:
@@ -159,7 +162,10 @@ def _leading(r: dict[str, Any], case: Case) -> list[str]:
     if not leading:
         return []
     forms = " + ".join(f"{i} ({f})" for i, f in zip(leading["ids"], leading["forms"]))
-    values = "; ".join(_parameters(p) for p in leading["parameters"].values())
+    values = "; ".join(
+        f"{_places(leading['where'][effect])}: {_parameters(p)}"
+        for effect, p in leading["parameters"].items()
+    )
     line = (
         f"- Best hypothesis, not accepted: {forms}, {values}. On the held-out runs it leaves "
         f"{_number(leading['after'])} {case['effort_unit']} unexplained, {_percent(leading)} removed"

@@ -236,7 +236,7 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
         closed_loop=loops,
         leading=leading,
         inverse_model=tuple(machine.inverse_model(runs)),
-        warnings=tuple(_warnings(log, runs, replays, confused, shrunk)),
+        warnings=(*_warnings(log, runs, replays, confused, shrunk), *machine.remarks(fit_runs)),
         next_experiment=_next_experiment(predictor, ranking, verdict),
         provenance=_provenance(log, seed, predictor.simulations, time.perf_counter() - started),
     )
@@ -385,6 +385,10 @@ def _leading(leading: Leading) -> dict[str, Any]:
     return {
         "ids": list(hypothesis.ids),
         "forms": [form.name for form in hypothesis.forms],
+        "where": {
+            form.effect: form.where([p.name for p in hypothesis.kept(form)])
+            for form in hypothesis.forms
+        },
         "parameters": {effect: _parameters(leading.fit, effect) for effect in hypothesis.ids},
         "after": leading.shrinkage.after,
         "percent": leading.shrinkage.percent,

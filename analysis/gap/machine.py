@@ -163,6 +163,10 @@ class Machine(ABC):
         """Position and command (samples, n) of the whole loop; None where no law is stated."""
         return None
 
+    def remarks(self, runs: Sequence[RunData]) -> list[str]:
+        """What signals that no fit uses say of the runs, one sentence each."""
+        return []
+
     def inverse_model(self, runs: Sequence[RunData]) -> "list[Structure]":
         """Relative effort errors of growing structures; empty where there is no such regression."""
         return []

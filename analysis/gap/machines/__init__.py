@@ -8,7 +8,18 @@ from ....models.encoder import resolution
 from ...errors import InputError
 from ..logset import FILE, MODEL_FILE, LogSet
 from ..machine import Machine, RunData
-from . import c_drive, furuta, mm3a, model_file, parallel, pendulum, piezo_stack, pmc, serial_arm, slider
+from . import (
+    c_drive,
+    furuta,
+    mm3a,
+    model_file,
+    parallel,
+    pendulum,
+    piezo_stack,
+    pmc,
+    serial_arm,
+    slider,
+)
 
 KINDS: dict[str, Callable[[LogSet], tuple[Machine, list[RunData]]]] = {
     "c_drive": c_drive.read,

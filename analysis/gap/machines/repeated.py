@@ -43,13 +43,11 @@ def repeats(reference: Array, same: float) -> list[tuple[slice, int]]:
     return kept
 
 
-def repeated_floor(
-    runs: Sequence[RunData], residuals: Sequence[Array]
-) -> tuple[list[Array], str]:
+def repeated_floor(runs: Sequence[RunData], residuals: Sequence[Array]) -> tuple[list[Array], str]:
     """Floor samples (k, n) of every run and how they were found.
 
-    A run without repeated stretches has the floor of the others; where no run has any, it is the
-    encoder's step.
+    A run without repeated stretches has the floor of the others. It is never below the encoder's
+    quantisation, which alone is the floor where no run has any.
     """
     floors: list[Array | None] = []
     for run, residual in zip(runs, residuals):
@@ -60,11 +58,14 @@ def repeated_floor(
             for s, lag in repeats(reference, same)
         ]
         floors.append(np.concatenate(parts) if parts else None)
+    step = max(run.lsb for run in runs) / np.sqrt(12.0)
+    encoder = [np.full_like(r, step) for r in residuals]
     seen = [floor for floor in floors if floor is not None]
     if not seen:
-        step = max(run.lsb for run in runs) / np.sqrt(12.0)
-        return [np.full_like(r, step) for r in residuals], f"encoder resolution; {NO_CYCLES}"
+        return encoder, f"encoder resolution; {NO_CYCLES}"
     pooled = np.concatenate(seen)
+    if np.sqrt(np.mean(pooled**2)) < step:
+        return encoder, "encoder resolution, which exceeds the repeatability"
     source = f"stretches of motion that repeat, {len(pooled)} samples in {len(seen)} runs"
     return [pooled if floor is None else floor for floor in floors], source
 

@@ -15,7 +15,7 @@ known of the arm's kinematics: which joints a load is found at is up to the data
 Residuals are taken every ``EVERY`` samples. An unsigned torque that is logged is compared with what is
 found (``servo_torque.py``).
 
-Not tried on this machine: torque ripple, compliance behind the servo, thermal drift, forces of motion
+Not tried on this machine: friction that falls with speed, end stops and collisions, torque ripple, compliance behind the servo, thermal drift, forces of motion
 between the joints.
 """
 
@@ -32,6 +32,7 @@ from ..logset import FILE, LogSet, Run
 from ..machine import Array, Machine, Parameter, RunData, encoder_step, own_parameter
 from .reference import derivatives
 from .repeated import repeated_floor
+from .servo_torque import torque_remarks
 from .settings import Settings, require_units, tolerance
 
 if TYPE_CHECKING:
@@ -128,6 +129,10 @@ class ArmMachine(Machine):
         """What does not repeat where the references of all joints repeat; else the encoder's step."""
         return repeated_floor(runs, residuals)
 
+    def remarks(self, runs: Sequence[RunData]) -> list[str]:
+        """The torque at rest by joint, and whether the servos act on the logged error."""
+        return torque_remarks(self.joints, [run for run in runs if isinstance(run, ArmRun)])
+
 
 def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
     """Machine and runs of an arm's log set."""
@@ -186,7 +191,9 @@ def _chain(value: Any, joints: Sequence[str], where: str) -> tuple[tuple[int, fl
     for name in names:
         if name not in joints or names.count(name) > 1:
             raise InputError(f"{where}.parallel_axes", f"{name!r}", expected)
-    return tuple((joints.index(n), -1.0 if v.startswith("-") else 1.0) for n, v in zip(names, value))
+    return tuple(
+        (joints.index(n), -1.0 if v.startswith("-") else 1.0) for n, v in zip(names, value)
+    )
 
 
 def _own(logset: LogSet, joints: Sequence[str]) -> list[Parameter]:

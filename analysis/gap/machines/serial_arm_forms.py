@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..effects.base import DRY_FRICTION, RARE, Form, Values, at, everywhere, parameter
+from ..effects.base import Form, Values, at, everywhere, parameter
 from ..machine import Parameter
 from .serial_arm import INERTIA, TIME_CONSTANT, ArmPlant, ArmRun
 from .servo_torque import loop_acts_on_log
@@ -19,7 +19,6 @@ from .servo_torque import loop_acts_on_log
 if TYPE_CHECKING:
     from .serial_arm import ArmMachine
 
-DRY = "dry friction"
 SAG = 0.03  # typical error that a load or dry friction makes [rad]
 Apply = Callable[[ArmPlant, Values], None]
 
@@ -30,7 +29,9 @@ def arm_forms(machine: "ArmMachine", runs: Sequence[ArmRun]) -> list[Form]:
     return found if loop_acts_on_log(runs) else found + _behind_the_loop(machine)
 
 
-def _each(machine: "ArmMachine", name: str, unit: str, scale: float, **more: Any) -> list[Parameter]:
+def _each(
+    machine: "ArmMachine", name: str, unit: str, scale: float, **more: Any
+) -> list[Parameter]:
     return [parameter(f"{name}_{joint}", unit, scale, **more) for joint in machine.joints]
 
 
@@ -98,31 +99,17 @@ def _gravity(machine: "ArmMachine", biases: Sequence[Parameter], constant: Apply
 
 def _friction(machine: "ArmMachine") -> list[Form]:
     levels = _each(machine, "level", "rad", SAG, lower=0.0, starts=(0.0, SAG))
-    breakaway = parameter("breakaway", "-", 0.5, lower=0.0, upper=10.0, starts=(0.5,))
-    speed = parameter("stribeck_speed", "rad/s", 0.1, lower=0.002, upper=5.0, starts=(0.1, 0.02))
-    share = parameter("share", "-", 0.3, lower=0.0, upper=3.0, starts=(0.3,))
+    share = parameter("share", "-", 0.3, lower=0.0, upper=3.0, starts=(0.0, 0.3))
     upper = 20.0 * TIME_CONSTANT
     damping = _each(
         machine, "damping", "s", TIME_CONSTANT, lower=0.0, upper=upper, starts=(TIME_CONSTANT,)
     )
 
-    def dry(plant: ArmPlant, values: Values) -> None:
-        for j, joint in enumerate(machine.joints):
-            plant.change(
-                j,
-                level=values.get(f"level_{joint}", 0.0),
-                share=values.get("share", 0.0),
-                breakaway=values.get("breakaway", 0.0),
-                stribeck_speed=values.get("stribeck_speed", 1.0),
-            )
-
     return [
-        _form(machine, "friction.coulomb", "level", "level", levels, dry, family=DRY),
-        _form(machine, "friction.stribeck", "Gaussian decay", "level", [*levels, breakaway, speed],
-              dry, family=DRY, shapes=frozenset({"stribeck_speed", "breakaway"}),
-              contains=DRY_FRICTION, price=RARE),
-        _form(machine, "friction.load_dependent", "level and share of the load", "level",
-              [*levels, share], dry, family=DRY, contains=DRY_FRICTION, price=RARE),
+        _form(machine, "friction.coulomb", "level", "level", levels, _per_joint(machine, "level", "level")),
+        Form(effect="friction.load_dependent", name="share of the load", parameters=(share,),
+             apply=lambda plant, values: plant.change_all(share=values["share"]),
+             where=everywhere("joints", machine.joints)),
         Form(effect="friction.viscous", name="proportional to speed", parameters=tuple(damping),
              apply=_per_joint(machine, "damping", "damping"),
              where=everywhere("joints", machine.joints),

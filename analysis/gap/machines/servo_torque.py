@@ -43,9 +43,35 @@ def errors_and_torques(runs: "Sequence[ArmRun]") -> tuple[Array, Array]:
     return np.concatenate(errors), np.concatenate(torques)
 
 
-def loop_acts_on_log(runs: "Sequence[ArmRun]") -> bool:
-    """Whether the torque at rest follows the logged error, over all joints together."""
+def agreement(runs: "Sequence[ArmRun]") -> float | None:
+    """Rank correlation at rest of torque and size of the error, all joints together; None if unknown."""
     errors, torques = errors_and_torques(runs)
     if len(errors) < FEWEST or np.ptp(torques) == 0.0 or np.ptp(np.abs(errors)) == 0.0:
-        return False
-    return float(spearmanr(np.abs(errors).ravel(), torques.ravel()).statistic) > SEES
+        return None
+    return float(spearmanr(np.abs(errors).ravel(), torques.ravel()).statistic)
+
+
+def loop_acts_on_log(runs: "Sequence[ArmRun]") -> bool:
+    """Whether the torque at rest follows the logged error."""
+    found = agreement(runs)
+    return found is not None and found > SEES
+
+
+def torque_remarks(joints: Sequence[str], runs: "Sequence[ArmRun]") -> list[str]:
+    """What the torque says, in words; nothing where it is not logged or the arm never rests."""
+    found = agreement(runs)
+    if found is None:
+        return []
+    errors, torques = errors_and_torques(runs)
+    by_joint = ", ".join(
+        f"{joint} {np.mean(t):.3f} N m at {np.mean(e):+.4f} rad"
+        for joint, t, e in zip(joints, torques.T, errors.T)
+    )
+    if found > SEES:
+        follows = "the servos act on what is logged: no false zero, scale or clearance behind them is tried"
+    else:
+        follows = "what is logged need not be what the servos act on"
+    return [
+        f"Mean torque and error at rest, which no fit uses: {by_joint}. Their rank correlation is "
+        f"{found:.2f}: {follows}."
+    ]
