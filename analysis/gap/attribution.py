@@ -25,7 +25,7 @@ DONE = 1.1  # nor does one this close call for a richer form of another effect
 ROUGH_GAIN = 0.1  # as LEAST_GAIN beside impacts, where a better optimum looks like an effect
 PROMISE = 0.25  # of the fall of a sibling's loss, asked of the start of a search for impacts
 CONTENDER = 1.5  # a search goes on while its residual is within this ratio of the best one's
-FAR = 3.0  # times the floor: a residual beyond it has the other forms of the best effect grown, too
+FAR = 1.5  # times the floor: a residual beyond it has the other forms of the best effect grown, too
 REFINED_REACH = 0.1  # of the score above the best one's, up to which a richer form is tried
 
 Progress = Callable[[str], None]
