@@ -45,7 +45,8 @@ def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
     rng = np.random.default_rng(seed)
     draws = rng.integers(0, samples.size, (RESAMPLES, samples.size))
     logs = _log_rms(losses, samples, draws)
-    wins = _shared_wins(logs + prices[:, None])
+    groups = _late_twins(chosen)
+    wins = _shared_wins(_best_of_twins(logs + prices[:, None], groups))
     reference = _log_rms(retuned.losses[None], samples, draws)[0]
     ranked = []
     for i, candidate in enumerate(chosen):
@@ -76,6 +77,30 @@ def _shared_losses(fits: Sequence[Fit]) -> Array:
         for j, other in enumerate(fits):
             if losses[j].sum() < shared[i].sum() and _same_predictions(f, other):
                 shared[i] = losses[j]
+    return shared
+
+
+def _late_twins(fits: Sequence[Fit]) -> list[frozenset[str]]:
+    """For every hypothesis what it has in common with its twins.
+
+    Beside impacts the search for a delay and that for a lag end in different optima: which is better
+    is chance.
+    """
+    return [
+        frozenset(
+            "late" if form.shifts and f.hypothesis.rough else form.effect
+            for form in f.hypothesis.forms
+        )
+        for f in fits
+    ]
+
+
+def _best_of_twins(scores: Array, groups: Sequence[frozenset[str]]) -> Array:
+    """Scores (hypotheses, draws) with those of twins replaced by those of the best among them."""
+    shared = scores.copy()
+    for i, group in enumerate(groups):
+        twins = [j for j, other in enumerate(groups) if other == group]
+        shared[i] = scores[min(twins, key=lambda j: float(scores[j].mean()))]
     return shared
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gapscope.analysis.gap.attribution import _holds_nothing
-from gapscope.analysis.gap.ranking import TWIN, Ranked, _shared_wins
+from gapscope.analysis.gap.ranking import TWIN, Ranked, _best_of_twins, _late_twins, _shared_wins
 from gapscope.analysis.gap.shrinkage import Shrinkage
 from gapscope.analysis.gap.verdict import GAP_RATIO, Verdict, confirmed, decide, doubted
 
@@ -115,3 +115,16 @@ def test_an_effect_without_size_is_no_effect() -> None:
     # Beside impacts no parameter has an uncertainty; that is no sign of size zero.
     fit.hypothesis.rough, fit.deviation = True, (np.nan, np.nan)
     assert not _holds_nothing(fit)
+
+
+def test_beside_impacts_a_delay_and_a_lag_are_twins() -> None:
+    def fit(*effects: str, rough: bool) -> Any:
+        forms = [SimpleNamespace(effect=e, shifts=e.startswith("actuator")) for e in effects]
+        return SimpleNamespace(hypothesis=SimpleNamespace(forms=forms, rough=rough))
+
+    scores = np.array([[1.0, 1.2], [0.9, 0.8], [0.1, 0.1]])
+    for rough, first in ((True, [0.9, 0.8]), (False, [1.0, 1.2])):
+        found = [fit("clearance", "actuator.delay", rough=rough)]
+        found += [fit("actuator.lag", "clearance", rough=rough), fit("clearance", rough=rough)]
+        shared = _best_of_twins(scores, _late_twins(found))
+        np.testing.assert_array_equal(shared, [first, [0.9, 0.8], [0.1, 0.1]])
