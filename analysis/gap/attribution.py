@@ -22,6 +22,7 @@ LEAST_GAIN = 0.02  # smallest fall of the score worth another effect or another 
 FURTHER_SCREEN = 0.08  # a further effect must lower the loss by more; its price alone asks for 0.18
 NEAR_FLOOR = 1.03  # a residual this close to the floor, as a ratio, leaves nothing to explain
 DONE = 1.1  # nor does one this close call for a richer form of another effect
+NO_SEARCH = np.inf  # a screen that no start passes: the best of the starting values is taken
 ROUGH_GAIN = 0.1  # as LEAST_GAIN beside impacts, where a better optimum looks like an effect
 PROMISE = 0.25  # of the fall of a sibling's loss, asked of the start of a search for impacts
 CONTENDER = 1.5  # a search goes on while its residual is within this ratio of the best one's
@@ -181,16 +182,26 @@ def _beside_impacts(
     They move the impacts, so that the best clearance without them is far from the one with them.
     """
     (impact,) = best.hypothesis.ids
-    children: list[Fit] = []
-    reached = best.rms
-    for late in (form for form in forms if form.shifts):
-        for rough in (form for form in forms if form.effect == impact):
-            progress(f"{late.effect}, {late.name} + {rough.effect}, {rough.name}")
-            screen = PROMISE * (1.0 - (reached / retuned.rms) ** 2)
-            child = Hypothesis(forms=(late, rough))
-            children.append(fit(predictor, child, retuned, screen))
-            reached = min(reached, children[-1].rms)
-    return best_by_ids(children)
+    least = PROMISE * (1.0 - (best.rms / retuned.rms) ** 2)
+    starts: list[Fit] = []
+    for rough in (form for form in forms if form.effect == impact):
+        progress(f"a command that comes late + {rough.effect}, {rough.name}")
+        pairs = [Hypothesis(forms=(late, rough)) for late in forms if late.shifts]
+        tried = [fit(predictor, pair, retuned, NO_SEARCH) for pair in pairs]
+        starts.append(min(tried, key=lambda f: f.rms))
+    return best_by_ids(
+        [
+            fit(predictor, start.hypothesis, start, screen=-np.inf)
+            for start in starts
+            if start.rms**2 < (1.0 - least) * retuned.rms**2 and _is_late(start)
+        ]
+    )
+
+
+def _is_late(found: Fit) -> bool:
+    """Whether its command comes late, not at once."""
+    late = {form.effect for form in found.hypothesis.forms if form.shifts}
+    return any(value > 0.0 for (effect, _), value in found.by_key().items() if effect in late)
 
 
 def _with_other_shifts(

@@ -192,7 +192,7 @@ def _search(
 ) -> tuple[Array, Array, bool, bool]:
     """Best point, its Jacobian, whether a search led there or only a linear step, and whether it ended."""
     if problem.rough:
-        return _search_impacts(problem, parent, max(screen, SCREEN))
+        return _search_impacts(problem, parent, screen)
     best_x, best_jac, best_cost, searched = np.zeros(0), np.zeros((0, 0)), np.inf, False
     bounds = (problem.lower, problem.upper)
     finished = True
