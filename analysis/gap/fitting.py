@@ -28,7 +28,8 @@ ROUGH_STEPS = 60, 120  # predictions of all runs in a search without derivatives
 MOST_ROUNDS = 2  # of both searches
 ROUND = 0.02  # relative fall of the loss that is worth another round
 BLOCKS = 30  # blocks of a run whose losses are resampled together
-FOLDS = 4  # held-out pieces when there is one run only
+FEW_RUNS = 2  # up to this many are held out by stretches of time, not whole
+FOLDS = 4  # stretches of such a run
 
 
 class Predictor:
@@ -349,17 +350,19 @@ def _held_out(
     """Residuals of every piece at parameters that did not see it.
 
     The parameters without a piece are one Gauss-Newton step from the full solution, the piece is then
-    predicted in full. A piece is a run, or a stretch of time where there is one run only.
+    predicted in full. A piece is a run, or a stretch of time where runs are few: one of two runs may be the
+    only one that shows a parameter.
     """
     if x.size == 0:
         return list(final)
     n = final[0].shape[1]
     starts = np.concatenate([[0], np.cumsum([r.size for r in final])])
-    if len(final) > 1:
-        pieces = [(i, slice(0, len(r))) for i, r in enumerate(final)]
-    else:
-        edges = np.linspace(0, len(final[0]), FOLDS + 1).astype(int)
-        pieces = [(0, slice(int(a), int(b))) for a, b in pairwise(edges)]
+    parts = 1 if len(final) > FEW_RUNS else FOLDS
+    pieces = [
+        (i, slice(int(a), int(b)))
+        for i, r in enumerate(final)
+        for a, b in pairwise(np.linspace(0, len(r), parts + 1).astype(int))
+    ]
     residual = _flatten(final)
     active = np.logical_not(at_bound)
     # Directions that the data leave free stay inside the bounds by their prior, as in ``_information``.

@@ -2,7 +2,9 @@
 
 import json
 
+import numpy as np
 import pytest
+import yaml
 
 from gapscope.analysis.gap.diagnosis import diagnose
 from gapscope.analysis.gap.effects import Effect, catalogue, register
@@ -64,6 +66,26 @@ def test_a_planted_effect_is_found_with_place_and_size(
     best = next(r for r in result["ranking"] if r["ids"] == [effect])
     assert best["estimates"][effect][parameter]["value"] == pytest.approx(found)
     assert best["signature_agreement"] > 0.9
+
+
+def test_two_runs_are_enough_where_only_one_shows_the_effect(tmp_path):
+    """Whole runs held out would leave the added mass to the run that does not move it."""
+
+    def payload(plant):
+        inertia = np.linalg.inv(plant.inertia_inverse) + 3e-4 * np.ones((2, 2))
+        plant.inertia_inverse[:] = np.linalg.inv(inertia)
+
+    folder = write_logset(tmp_path / "set", payload)
+    document = yaml.safe_load((folder / "logset.yaml").read_text())
+    document["runs"] = [run for run in document["runs"] if run["file"] != "run2.csv"]
+    assert [run["motion"] for run in document["runs"] if run["use"] == "fit"] == [
+        "translation",
+        "rotation",
+    ]
+    (folder / "logset.yaml").write_text(yaml.safe_dump(document))
+    result = diagnose(folder).to_json()
+    assert result["verdict"] == "explained"
+    assert [e["id"] for e in result["effects"]] == ["inertia.payload"]
 
 
 def test_no_gap_is_said_where_there_is_none(nominal_logset):
