@@ -16,30 +16,57 @@ DRAFT_FILE = re.compile(
 )  # name of a file that is
 
 
+def require_writable(path: Path) -> None:
+    """InputError unless ``path`` is a folder, or can be made one, where files can be written.
+
+    Tried with a draft in the folder or in the nearest one above it that exists; nothing is left behind.
+    """
+    try:
+        place = next((p for p in (path, *path.parents) if p.exists()), Path())
+        with tempfile.TemporaryDirectory(dir=place, prefix=DRAFT):
+            pass
+    except OSError as error:
+        raise _unusable(path, error) from error
+
+
 def output_folder(path: Path) -> Path:
     """``path`` as an existing folder; InputError if it is a file or cannot be made."""
     try:
         path.mkdir(parents=True, exist_ok=True)
-    except (FileExistsError, NotADirectoryError, PermissionError) as error:
-        raise InputError(
-            path, f"not usable as a folder ({error.strerror})", "a folder, or a name for a new one"
-        ) from error
+    except OSError as error:
+        raise _unusable(path, error) from error
     return path
 
 
+def _unusable(path: Path, error: OSError) -> InputError:
+    return InputError(
+        path,
+        f"not usable as a folder ({error.strerror or error})",
+        "a folder that can be written, or a name for a new one",
+    )
+
+
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write ``content`` to a temporary file beside ``path``, then put it in its place."""
+    """Write ``content`` to a temporary file beside ``path``, then put it in its place.
+
+    InputError if that cannot be done, as on a full disk; what stood there is left as it was.
+    """
     data = content.encode() if isinstance(content, str) else content
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    temporary = Path(name)
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        temporary.chmod(0o644)
-        temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        temporary = Path(name)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(data)
+            temporary.chmod(0o644)
+            temporary.replace(path)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise InputError(
+            path, error.strerror or str(error), "a place where a file can be written"
+        ) from error
 
 
 def drop_drafts(folder: Path) -> None:

@@ -7,6 +7,13 @@ import time
 from importlib.metadata import version
 from pathlib import Path
 
+import pytest
+from typer import Context
+from typer.main import get_command
+
+from gapscope.analysis.cli import app
+from gapscope.analysis.errors import InputError
+
 GAPSCOPE = Path(sys.executable).parent / "gapscope"
 # All that ``gapscope --help`` may load beside the standard library: the command line and what it prints with.
 LIGHT = {
@@ -74,3 +81,33 @@ def test_unusable_input_is_one_line_and_exit_code_2(tmp_path):
     assert "Traceback" not in done.stderr
     assert done.stderr.startswith("gapscope: ")
     assert not (tmp_path / "out").exists()
+
+
+def commands(command):
+    """Every command below ``command``, itself where it has none."""
+    if not hasattr(command, "commands"):
+        yield command
+    for below in getattr(command, "commands", {}).values():
+        yield from commands(below)
+
+
+def test_every_command_refuses_an_unwritable_out_before_it_begins(tmp_path):
+    """By the option alone: the command behind it is not run."""
+    root = get_command(app)
+    (tmp_path / "taken").write_text("")
+    below = str(tmp_path / "taken" / "below")
+    outs = [(command, option)
+            for command in commands(root)
+            for option in command.params if option.name == "out"]  # fmt: skip
+    assert len(outs) > 20
+    for command, option in outs:
+        with pytest.raises(InputError, match="not usable as a folder"):
+            option.process_value(Context(command), below)
+    assert [path.name for path in tmp_path.iterdir()] == ["taken"]
+
+
+def test_out_is_refused_before_the_log_set_is_read(tmp_path):
+    (tmp_path / "taken").write_text("")
+    done = run("diagnose", str(tmp_path / "missing"), "--out", str(tmp_path / "taken"))
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"gapscope: {tmp_path / 'taken'}: not usable as a folder")

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 app = typer.Typer(help="Closed-loop bandwidth of a machine.", no_args_is_help=True)
 
 
@@ -15,7 +17,10 @@ def _machines() -> None:
 
 @app.command("mast")
 def mast(
-    out: Annotated[Path, typer.Option(help="Folder for bandwidth.json and bandwidth.png.")],
+    out: Annotated[
+        Path,
+        typer.Option(callback=places.folder, help="Folder for bandwidth.json and bandwidth.png."),
+    ],
     position_gain: Annotated[float | None, typer.Option(help="k_v [1/s].", min=0.0)] = None,
     position_period: Annotated[
         float | None, typer.Option(help="Sample time of the position loop [s].", min=1e-3)

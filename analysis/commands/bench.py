@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 
 class GroupName(StrEnum):
     """What can be measured."""
@@ -16,7 +18,9 @@ class GroupName(StrEnum):
 
 
 def bench(
-    out: Annotated[Path, typer.Option(help="Folder for bench.json and bench.png.")],
+    out: Annotated[
+        Path, typer.Option(callback=places.folder, help="Folder for bench.json and bench.png.")
+    ],
     quick: Annotated[bool, typer.Option("--quick", help="Fewer rounds, wider spread.")] = False,
     group: Annotated[
         list[GroupName] | None, typer.Option(help="Measure only this group; repeatable.")
@@ -33,9 +37,7 @@ def bench(
     from rich.console import Console
 
     from ..benchmarks import report, study
-    from ..files import output_folder
 
-    output_folder(out)  # refused before minutes of measuring
     before = report.machine()
     groups = []
     for name in group or list(GroupName):

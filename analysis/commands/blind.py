@@ -5,12 +5,16 @@ from typing import Annotated
 
 import typer
 
+from . import places
 from .sharing import Cluster, Workers
 
 
 def blind(
     seed: Annotated[int, typer.Option(help="Below 1000 to tune on, from 1000 to report on.")],
-    out: Annotated[Path, typer.Option(help="Folder of the run; the same folder resumes it.")],
+    out: Annotated[
+        Path,
+        typer.Option(callback=places.folder, help="Folder of the run; the same folder resumes it."),
+    ],
     cases: Annotated[int, typer.Option(min=1, help="Number of cases; decks of 40.")] = 200,
     machine: Annotated[
         str, typer.Option(help="What the cases are of: drive, or mm3a with physical actuators.")

@@ -5,15 +5,17 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 app = typer.Typer(help="Calibrate a machine from its measurements.", no_args_is_help=True)
 
 
 @app.command("mm3a")
 def mm3a(
     data: Annotated[Path, typer.Option(help="CSV table of step-counting runs.")],
-    out: Annotated[Path, typer.Option(help="Folder for calibration.json and .png.")] = Path(
-        "calibration"
-    ),
+    out: Annotated[
+        Path, typer.Option(callback=places.folder, help="Folder for calibration.json and .png.")
+    ] = Path("calibration"),
     method: Annotated[
         str, typer.Option(help="The routine's way to d: iteration, printed or exact.")
     ] = "iteration",

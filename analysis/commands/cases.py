@@ -5,9 +5,11 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 
 def cases(
-    out: Annotated[Path, typer.Option(help="Page to write, Markdown.")],
+    out: Annotated[Path, typer.Option(callback=places.file, help="Page to write, Markdown.")],
     data: Annotated[
         Path,
         typer.Option(envvar="GAPSCOPE_DATA", help="Folder of the measured log sets."),

@@ -5,12 +5,15 @@ from typing import Annotated
 
 import typer
 
+from . import places
 from .resolved_acceleration import resolved_acceleration
 
 app = typer.Typer(help="Compare controllers of a machine.", no_args_is_help=True)
 app.command("resolved-acceleration")(resolved_acceleration)
 
-Out = Annotated[Path, typer.Option(help="Folder for the results, made if missing.")]
+Out = Annotated[
+    Path, typer.Option(callback=places.folder, help="Folder for the results, made if missing.")
+]
 
 
 @app.command("c-drive")
@@ -37,9 +40,9 @@ def mm3a(
     truth: Annotated[
         str, typer.Option(help="What moves the joints: empirical or physical.")
     ] = "empirical",
-    out: Annotated[Path, typer.Option(help="Folder for comparison.json and plots.")] = Path(
-        "compare-mm3a"
-    ),
+    out: Annotated[
+        Path, typer.Option(callback=places.folder, help="Folder for comparison.json and plots.")
+    ] = Path("compare-mm3a"),
     seed: Annotated[int, typer.Option(help="Of the random generator.", min=0)] = 0,
 ) -> None:
     """Step models of the MM3A against a constant step and none (Damani 2013, chapter 7)."""

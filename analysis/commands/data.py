@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 app = typer.Typer(help="Public measured log sets.", no_args_is_help=True)
 
 
@@ -25,7 +27,9 @@ def list_sets() -> None:
 @app.command("get")
 def get_set(
     name: Annotated[str, typer.Argument(help="Name of the set, see `gapscope data list`.")],
-    out: Annotated[Path | None, typer.Option(help="Folder to write; default NAME.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(callback=places.folder, help="Folder to write; default NAME.")
+    ] = None,
     url: Annotated[
         str | None, typer.Option(help="Mirror that has NAME/FILE; needs gapscope[data].")
     ] = None,

@@ -5,9 +5,13 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 
 def demo(
-    out: Annotated[Path, typer.Option(help="Folder for the reports, made if missing.")],
+    out: Annotated[
+        Path, typer.Option(callback=places.folder, help="Folder for the reports, made if missing.")
+    ],
     seed: Annotated[int, typer.Option(help="Seed that decides the withheld effect.")] = 2015,
 ) -> None:
     """Show the instrument on a printed experiment, on a withheld effect and on a measured log."""

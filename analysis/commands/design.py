@@ -5,13 +5,16 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 
 def design(
     logset: Annotated[Path, typer.Argument(help="A log set folder.")],
     out: Annotated[
         Path | None,
         typer.Option(
-            help="Folder for design.json, motion.yaml, design.png; default out/NAME-design."
+            callback=places.folder,
+            help="Folder for design.json, motion.yaml, design.png; default out/NAME-design.",
         ),
     ] = None,
     speed: Annotated[float | None, typer.Option(help="Largest shaft speed [rad/s or m/s].")] = None,
@@ -42,6 +45,7 @@ def design(
         raise InputError("--error", f"{error}", "a probability between 0 and 0.5")
     ranges = dict(_range(text) for text in travel or [])
     folder = out or Path("out") / f"{logset.resolve().name}-design"
+    places.folder(folder)
     with Console(stderr=True, quiet=quiet).status("reading") as status:
         diagnosis = diagnose(logset, seed=seed, progress=status.update)
         found = design_experiment(

@@ -5,18 +5,24 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 
 def diagnose(
     logset: Annotated[str, typer.Argument(help="A log set folder, or `thesis-c-drive`.")],
     out: Annotated[
         Path | None,
-        typer.Option(help="Folder for diagnosis.json and report.html; default out/NAME."),
+        typer.Option(
+            callback=places.folder,
+            help="Folder for diagnosis.json and report.html; default out/NAME.",
+        ),
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the bootstrap.")] = 0,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, no table.")] = False,
 ) -> None:
     """Diagnose the gap between a log set and its nominal model."""
     folder = out or Path("out") / (Path(logset).resolve().name or "diagnosis")
+    places.folder(folder)
     paths = (_thesis if logset == "thesis-c-drive" else _logset)(logset, folder, seed, quiet)
     if not quiet:
         for path in paths:

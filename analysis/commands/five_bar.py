@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 
 class Scheme(StrEnum):
     """Control schemes, as in ``diagrams.five_bar_loop``."""
@@ -33,7 +35,8 @@ class Motion(StrEnum):
 
 def simulate(
     out: Annotated[
-        Path, typer.Option(help="Folder for logset.yaml, run1.csv and run1.png.")
+        Path,
+        typer.Option(callback=places.folder, help="Folder for logset.yaml, run1.csv and run1.png."),
     ] = Path("out/simulate-5r"),
     controller: Annotated[Scheme, typer.Option(help="Control scheme.")] = Scheme.joint,
     motion: Annotated[Motion, typer.Option(help="Path of the tool.")] = Motion.line,
@@ -64,7 +67,9 @@ def simulate(
         typer.echo(path)
 
 
-def compare(out: Annotated[Path, typer.Option(help="Folder for comparison.json.")]) -> None:
+def compare(
+    out: Annotated[Path, typer.Option(callback=places.folder, help="Folder for comparison.json.")],
+) -> None:
     """Friction identification, X move and circles of the five-bar beside Roldan's section 4.1."""
     from rich.console import Console
 

@@ -5,10 +5,17 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 
 def identify(
     machine: Annotated[str, typer.Argument(help="2prr, replalink, 5r, mast or 3prs.")],
-    out: Annotated[Path, typer.Option(help="Folder for identification.json, figures and SDF.")],
+    out: Annotated[
+        Path,
+        typer.Option(
+            callback=places.folder, help="Folder for identification.json, figures and SDF."
+        ),
+    ],
     methods: Annotated[
         str, typer.Option(help="Searches, by comma: gradient, pattern, evolution, cma.")
     ] = "gradient,evolution",

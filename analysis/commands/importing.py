@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from . import places
+
 if TYPE_CHECKING:
     from ..gap.importing import Plan
 
@@ -17,7 +19,9 @@ def import_logs(
             help="CSV, Parquet, MATLAB, HDF5, MCAP files or ROS bags; one run each, the same columns."
         ),
     ],
-    out: Annotated[Path, typer.Option(help="Folder of the log set to write.")],
+    out: Annotated[
+        Path, typer.Option(callback=places.folder, help="Folder of the log set to write.")
+    ],
     model: Annotated[
         Path | None,
         typer.Option(help="logset.yaml (or its folder) with system, controller and columns."),

@@ -5,7 +5,11 @@ from typing import Annotated
 
 import typer
 
-Out = Annotated[Path, typer.Option(help="Folder for workspace.json and figures.")]
+from . import places
+
+Out = Annotated[
+    Path, typer.Option(callback=places.folder, help="Folder for workspace.json and figures.")
+]
 
 
 def five_r(out: Out) -> None:

@@ -6,9 +6,10 @@ from typing import Annotated
 
 import typer
 
+from . import places
 from .sharing import Cluster, Workers
 
-Out = Annotated[Path, typer.Option(help="Folder for the results.")]
+Out = Annotated[Path, typer.Option(callback=places.folder, help="Folder for the results.")]
 
 
 class Controller(StrEnum):

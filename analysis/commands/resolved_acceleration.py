@@ -5,9 +5,13 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 
 def resolved_acceleration(
-    out: Annotated[Path, typer.Option(help="Folder for the JSON file and two figures.")],
+    out: Annotated[
+        Path, typer.Option(callback=places.folder, help="Folder for the JSON file and two figures.")
+    ],
 ) -> None:
     """Stability of resolved acceleration over its two gains, beside the printed tuning."""
     from rich.console import Console

@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 
 class Machine(StrEnum):
     """Machines behind the rig."""
@@ -17,9 +19,9 @@ class Machine(StrEnum):
 
 def rig(
     machine: Annotated[Machine, typer.Argument(help="What stands behind the controller.")],
-    out: Annotated[Path, typer.Option(help="Folder for the log sets measurement1, ...")] = Path(
-        "out/rig"
-    ),
+    out: Annotated[
+        Path, typer.Option(callback=places.folder, help="Folder for the log sets measurement1, ...")
+    ] = Path("out/rig"),
     fault: Annotated[
         str,
         typer.Option(

@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 app = typer.Typer(help="Simulate a machine and write its log set.", no_args_is_help=True)
 
 
@@ -34,7 +36,8 @@ def c_drive(
         Path | None, typer.Option(help="YAML file of settings; options win over it.")
     ] = None,
     out: Annotated[
-        Path, typer.Option(help="Folder for logset.yaml, run1.csv and run1.png.")
+        Path,
+        typer.Option(callback=places.folder, help="Folder for logset.yaml, run1.csv and run1.png."),
     ] = Path("out/simulate-c-drive"),
 ) -> None:
     """Simulate the C-drive's loop on Drake: encoder, controller, amplifier, plant."""
@@ -66,7 +69,11 @@ def c_drive(
 @app.command("mm3a")
 def mm3a(
     out: Annotated[
-        Path, typer.Option(help="CSV table of runs to write; with --moves, folder of a log set.")
+        Path,
+        typer.Option(
+            callback=places.beside,
+            help="CSV table of runs to write; with --moves, folder of a log set.",
+        ),
     ],
     truth: Annotated[
         str, typer.Option(help="What moves the joints: empirical or physical.")

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from . import places
+
 
 def view(
     machine: Annotated[str, typer.Argument(help="c-drive, slider, pmc, mm3a or 5r.")],
@@ -22,7 +24,9 @@ def view(
     ] = False,
     out: Annotated[
         Path | None,
-        typer.Option(help="File to write; without it sliders are served until Escape."),
+        typer.Option(
+            callback=places.file, help="File to write; without it sliders are served until Escape."
+        ),
     ] = None,
 ) -> None:
     """Look at a machine: live with sliders, or a self-contained page with --out."""

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from . import places
 from .sharing import Cluster, Workers
 
 app = typer.Typer(help="Analyse the workspace of a machine.", no_args_is_help=True)
@@ -18,7 +19,11 @@ def _machines() -> None:
 @app.command("pmc")
 def pmc(
     out: Annotated[
-        Path, typer.Option(help="Folder for workspace.json, maps.csv, figures and 3-D page.")
+        Path,
+        typer.Option(
+            callback=places.folder,
+            help="Folder for workspace.json, maps.csv, figures and 3-D page.",
+        ),
     ],
     grid: Annotated[int, typer.Option(min=2, help="Optimisations a side of each surface.")] = 13,
     workers: Workers = 1,
