@@ -11,8 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from .effects import Form
-from .fitting import FIRST_STEPS, SCREEN, Predictor, fit
+from .fitting import FIRST_STEPS, SCREEN, fit
 from .hypothesis import Fit, Hypothesis
+from .prediction import Predictor
 from .pruning import pruned
 from .ranking import Ranked, best_by_ids, rank
 
@@ -74,12 +75,7 @@ def attribute(
         ]
     if best.hypothesis.rough:
         fits += _with_other_shifts(predictor, best, plain, progress)
-    for form in refined:
-        base = _to_refine(fits, best, form)
-        if base is None and best.held_out_rms < DONE * floor:
-            continue
-        progress(f"{form.effect}, {form.name}")
-        fits.append(pruned(predictor, _refine(predictor, base, retuned, form)))
+    fits += _richer(predictor, retuned, fits, best, refined, floor, progress)
     claims = [f for f in fits if f.converged and not _holds_nothing(f)]
     return rank([f.called_by_values() for f in claims], retuned, seed)
 
@@ -233,6 +229,26 @@ def _without_each(predictor: Predictor, full: Fit) -> list[Fit]:
         fit(predictor, full.hypothesis.without(effect), full, screen=-np.inf)
         for effect in full.hypothesis.ids
     ]
+
+
+def _richer(
+    predictor: Predictor,
+    retuned: Fit,
+    fits: Sequence[Fit],
+    best: Fit,
+    refined: Sequence[Form],
+    floor: float,
+    progress: Progress,
+) -> list[Fit]:
+    """Hypotheses with a richer form of one of their effects, where one may be needed."""
+    found: list[Fit] = []
+    for form in refined:
+        base = _to_refine([*fits, *found], best, form)
+        if base is None and best.held_out_rms < DONE * floor:
+            continue
+        progress(f"{form.effect}, {form.name}")
+        found.append(pruned(predictor, _refine(predictor, base, retuned, form)))
+    return found
 
 
 def _to_refine(fits: Sequence[Fit], best: Fit, form: Form) -> Fit | None:

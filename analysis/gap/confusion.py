@@ -16,9 +16,9 @@ from scipy.optimize import lsq_linear
 
 from .attribution import LEAST_GAIN
 from .effects import Form
-from .fitting import Predictor
 from .hypothesis import Fit, Hypothesis
 from .machine import Array, Parameter
+from .prediction import Predictor
 
 TYPICAL = 0.5  # of a parameter's scale, where a form names no other size to start from
 MOST = 10.0  # prediction error, in rms of what is predicted, above which a typical size runs away

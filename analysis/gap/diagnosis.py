@@ -21,7 +21,7 @@ from .attribution import attribute
 from .clock import ReplayCheck
 from .closed_loop import closed_loop
 from .confusion import Confusion, confusion
-from .fitting import Predictor, fit
+from .fitting import fit
 from .floor import NO_CYCLES
 from .hypothesis import Fit, Hypothesis
 from .inverse_model import Structure
@@ -30,6 +30,7 @@ from .logset import LogSet, load_logset
 from .machine import Array, Machine, RunData, rms
 from .machines import read_machine, stated_encoder_step
 from .order import Share, order_shares
+from .prediction import Predictor
 from .ranking import Ranked
 from .shrinkage import Shrinkage, shrinkage
 from .signals import SignalFinding

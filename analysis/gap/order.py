@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from .fitting import Predictor, fit
+from .fitting import fit
 from .hypothesis import Fit
+from .prediction import Predictor
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from .fitting import Predictor, fit, linear_step
+from .fitting import fit
 from .hypothesis import Fit
+from .prediction import Predictor
+from .search import linear_step
 
 IDLE = 1e-3  # a parameter whose loss rises by less than this without it goes at once
 

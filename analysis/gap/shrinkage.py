@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting import Predictor
 from .floor import MEASURED
 from .hypothesis import Fit, Hypothesis
 from .machine import Array, Machine, RunData
+from .prediction import Predictor
 
 BLOCKS = 20  # per run
 RESAMPLES = 1000

@@ -15,10 +15,11 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from .clock import replay
-from .fitting import Predictor, fit
+from .fitting import fit
 from .floor import white_noise
 from .hypothesis import Hypothesis
 from .machine import Array, Machine, RunData
+from .prediction import Predictor
 
 LARGEST_SHIFT = 8.0  # samples
 FAITHFUL = 0.01  # replay difference, relative to the rms command, that needs no explanation

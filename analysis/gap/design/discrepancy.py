@@ -16,9 +16,10 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from ....models.fourier_motion import FourierMotion
-from ..fitting import Predictor, effective_samples
+from ..fitting import effective_samples
 from ..hypothesis import Fit
 from ..machine import Array, RunData
+from ..prediction import Predictor
 from .limits import drive_of
 
 STEP = 1e-4  # of finite differences, in parameter scales

@@ -22,9 +22,10 @@ from ....models.fourier_motion import FourierMotion
 from ...errors import InputError
 from ...files import write_folder
 from ..diagnosis import Diagnosis
-from ..fitting import Predictor, fit
+from ..fitting import fit
 from ..hypothesis import Fit
 from ..machine import Array, RunData
+from ..prediction import Predictor
 from .discrepancy import Contest, Response, template
 from .limits import Limits, drive_of, limits_of
 from .motions import Motions, scaled

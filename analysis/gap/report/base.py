@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from ..diagnosis import Diagnosis
-from ..fitting import Predictor
 from ..hypothesis import Fit
 from ..machine import Array, RunData
+from ..prediction import Predictor
 
 
 class Material:

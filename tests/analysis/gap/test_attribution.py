@@ -4,10 +4,11 @@ import pytest
 
 from gapscope.analysis.blind_machine import write_case
 from gapscope.analysis.gap.attribution import attribute
-from gapscope.analysis.gap.fitting import Predictor, fit
+from gapscope.analysis.gap.fitting import fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
+from gapscope.analysis.gap.prediction import Predictor
 
 
 def ranking(folder, seed, index, effects):

@@ -7,12 +7,13 @@ import yaml
 from gapscope.analysis.errors import InputError
 from gapscope.analysis.gap.chain_machine import tables
 from gapscope.analysis.gap.diagnosis import diagnose
-from gapscope.analysis.gap.fitting import Predictor, fit
+from gapscope.analysis.gap.fitting import fit
 from gapscope.analysis.gap.floor import quantisation_floor
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machine import rms
 from gapscope.analysis.gap.machines import read_machine
+from gapscope.analysis.gap.prediction import Predictor
 from gapscope.models.parallel.machine import FiveBarMachine, TableMachine, TwoPRRMachine
 from gapscope.models.parallel.three_prs import FLEXURES, THREE_PRS
 

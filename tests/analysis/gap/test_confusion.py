@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from gapscope.analysis.gap.confusion import TOLD_APART, confusion
-from gapscope.analysis.gap.fitting import Predictor, fit
+from gapscope.analysis.gap.fitting import fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machine import rms
 from gapscope.analysis.gap.machines import read_machine
+from gapscope.analysis.gap.prediction import Predictor
 
 
 @pytest.fixture(scope="module")

@@ -8,10 +8,11 @@ import pytest
 from gapscope.analysis.blind_machine import write_case
 from gapscope.analysis.gap.effects import catalogue
 from gapscope.analysis.gap.effects.two_inertia import split
-from gapscope.analysis.gap.fitting import Predictor, fit
+from gapscope.analysis.gap.fitting import fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
+from gapscope.analysis.gap.prediction import Predictor
 
 
 @pytest.fixture(scope="module")

@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from gapscope.analysis.gap.fitting import DIVERGED, Predictor, fit
+from gapscope.analysis.gap.fitting import fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
+from gapscope.analysis.gap.prediction import DIVERGED, Predictor
 
 
 def test_a_prediction_that_runs_away_is_bounded_and_does_not_converge(nominal_logset):

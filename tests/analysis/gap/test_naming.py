@@ -9,10 +9,11 @@ from scipy.optimize import least_squares
 
 from gapscope.analysis.gap.effects import friction_stribeck
 from gapscope.analysis.gap.effects.base import parameter
-from gapscope.analysis.gap.fitting import Predictor, fit
+from gapscope.analysis.gap.fitting import fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
+from gapscope.analysis.gap.prediction import Predictor
 from gapscope.analysis.gap.pruning import _balanced
 from gapscope.models import friction
 

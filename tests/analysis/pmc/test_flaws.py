@@ -7,11 +7,12 @@ import pytest
 import yaml
 
 from gapscope.analysis.errors import InputError
-from gapscope.analysis.gap.fitting import Predictor, fit
+from gapscope.analysis.gap.fitting import fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machine import rms
 from gapscope.analysis.gap.machines import read_machine
+from gapscope.analysis.gap.prediction import Predictor
 from gapscope.analysis.gap.verdict import NEGLIGIBLE
 from gapscope.analysis.pmc import flaw_report, flaws, logs
 from gapscope.diagrams.pmc_loop import PMCLoopConfig

@@ -1,0 +1,162 @@
+"""Searches for the best parameters of a hypothesis: by derivatives, and without where there are impacts."""
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares, lsq_linear, minimize
+
+from .hypothesis import Fit
+from .machine import Array
+from .prediction import Problem, flatten
+
+ENOUGH = 1e-4  # relative fall of the loss that ends a search; decisions are 40 times coarser
+ROUGH_STEPS = 60, 120  # predictions of all runs in a search without derivatives: effects, then all
+MOST_ROUNDS = 2  # of both searches
+ROUND = 0.02  # relative fall of the loss that is worth another round
+
+
+def search(
+    problem: Problem, parent: Fit | None, screen: float, steps: int
+) -> tuple[Array, Array, bool, bool]:
+    """Best point, its Jacobian, whether a search led there or only a linear step, and whether it ended."""
+    if problem.rough:
+        return _search_impacts(problem, parent, screen)
+    best_x, best_jac, best_cost, searched = np.zeros(0), np.zeros((0, 0)), np.inf, False
+    bounds = (problem.lower, problem.upper)
+    finished = True
+    for start in _starts(problem, parent):
+        residual, jac = problem.linearised(start, parent)
+        step = linear_step(jac, residual, start, bounds)
+        predicted = float(np.sum((residual + jac @ step) ** 2))
+        found = [(start, jac)]
+        if parent is not None and predicted > (1.0 - screen) * parent.rms**2 * residual.size:
+            found.append((start + step, jac))
+        else:
+            searched = True
+            *solution, ended = _least_squares(problem, start + 0.5 * step, residual, steps)
+            found.append((solution[0], solution[1]))
+            finished = finished and ended
+        for x, at_x in found:
+            cost = float(np.sum(problem.flat(x) ** 2))
+            if cost < best_cost:
+                best_x, best_jac, best_cost = x, at_x, cost
+    return best_x, best_jac, searched, finished
+
+
+def _search_impacts(
+    problem: Problem, parent: Fit | None, screen: float
+) -> tuple[Array, Array, bool, bool]:
+    """As ``search``, for impacts: their residuals are too rough for derivatives.
+
+    The best of all combinations of starting values is improved by simplex searches, of the effects'
+    parameters and then of all. Where it lowers the parent's loss by less than the share ``screen``, no
+    search is made.
+    """
+    x = _starts(problem, parent, together=True)[0]
+    cost = float(np.sum(problem.flat(x) ** 2))
+    if parent is not None and cost > (1.0 - screen) * float(np.sum(parent.residual**2)):
+        return x, np.zeros((parent.residual.size, x.size)), False, True
+    everything = np.ones(x.size, dtype=bool)
+    for _ in range(MOST_ROUNDS):
+        before = cost
+        for free, most in zip((problem.of_effects, everything), ROUGH_STEPS):
+            x, cost = _simplex_search(problem, x, free, most)
+        if cost > (1.0 - ROUND) * before:
+            break
+    return x, problem.jacobian(x), True, True
+
+
+def _least_squares(
+    problem: Problem, start: Array, residual: Array, steps: int
+) -> tuple[Array, Array, bool]:
+    """Point and Jacobian that a bounded trust-region search ends at, and whether it ended by itself.
+
+    Residuals are normalised.
+    """
+    unit = float(np.sqrt(np.mean(residual**2)))
+
+    def residuals(x: Array) -> Array:
+        return problem.flat(x) / unit
+
+    def jacobian(x: Array) -> Array:
+        return problem.jacobian(x) / unit
+
+    solution = least_squares(
+        residuals,
+        problem.inside(start),
+        jac=jacobian,
+        bounds=(problem.lower, problem.upper),
+        ftol=ENOUGH,
+        xtol=ENOUGH,
+        gtol=1e-10,
+        max_nfev=steps,
+    )
+    return solution.x, np.asarray(solution.jac) * unit, solution.status > 0
+
+
+def _simplex_search(
+    problem: Problem, x: Array, free: NDArray[np.bool_], most: int
+) -> tuple[Array, float]:
+    """Point and loss of a Nelder-Mead search from ``x`` over the ``free`` parameters."""
+
+    def inside(part: Array) -> Array:
+        point = x.copy()
+        point[free] = part
+        return np.clip(point, problem.lower, problem.upper)
+
+    def loss(part: Array) -> float:
+        return float(np.sum(problem.flat(inside(part)) ** 2))
+
+    size = np.where(problem.of_effects, 0.15 * np.maximum(np.abs(x), 0.2), 2e-3)
+    size = np.where(x + size > problem.upper, -size, size)[free]
+    simplex = np.vstack([x[free], x[free] + np.diag(size)])
+    solution = minimize(
+        loss, x[free], method="Nelder-Mead", options={"maxfev": most, "initial_simplex": simplex}
+    )
+    return inside(solution.x), float(solution.fun)
+
+
+def linear_step(jac: Array, residual: Array, x: Array, bounds: tuple[Array, Array]) -> Array:
+    """Minimiser of the linearised residual inside the bounds, as a step from ``x``."""
+    if x.size == 0:
+        return np.zeros(0)
+    # The normal equations of a tall matrix, as a small square root: sums of squares are all it takes.
+    values, vectors = np.linalg.eigh(jac.T @ jac)
+    kept = values > 1e-13 * max(float(values[-1]), 1e-300)
+    root = np.sqrt(values[kept])[:, None] * vectors[:, kept].T
+    right = -(vectors[:, kept].T @ (jac.T @ residual)) / np.sqrt(values[kept])
+    if not np.any(kept):
+        return np.zeros(x.size)
+    solution = lsq_linear(root, right, bounds=(bounds[0] - x, bounds[1] - x))
+    return np.clip(x + solution.x, *bounds) - x
+
+
+def _starts(problem: Problem, warm: Fit | None, together: bool = False) -> list[Array]:
+    """Up to two starting points: the best by cost of the first values with one alternative each.
+
+    ``together`` combines every alternative with every other.
+    """
+    if not problem.parameters:
+        return []
+    known = warm.by_key() if warm else {}
+    choices = [
+        (known[key],) if key in known else p.starts
+        for key, p in zip(problem.keys, problem.parameters)
+    ]
+    if together:
+        candidates = [np.array(values) / problem.scale for values in product(*choices)]
+    else:
+        base = np.array([values[0] for values in choices]) / problem.scale
+        candidates = [base]
+        for i, values in enumerate(choices):
+            for value in values[1:]:
+                other = base.copy()
+                other[i] = value / problem.scale[i]
+                candidates.append(other)
+    candidates = [np.clip(c, problem.lower, problem.upper) for c in candidates]
+    if len(candidates) == 1:
+        return candidates
+    costs = np.array([np.sum(flatten(r) ** 2) for r in problem.runs(candidates)])
+    order = np.argsort(costs)
+    return [candidates[i] for i in (order[:2] if costs[order[0]] < costs[0] else order[:1])]
