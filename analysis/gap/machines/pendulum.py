@@ -24,7 +24,7 @@ from ..logset import FILE, LogSet, Run
 from ..machine import Array, Machine, Parameter, RunData, encoder_step, own_parameter
 from .hold_out import hold_back_runs
 from .reference import uneven_derivatives
-from .settings import Settings, require_units, tolerance
+from .settings import Settings, require_controllers, require_units, tolerance
 
 if TYPE_CHECKING:
     from ..clock import ReplayCheck
@@ -173,12 +173,7 @@ def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
                 "the firmware's PWM register and whether the motor is switched on, 0 or 1",
             )  # fmt: skip
     machine = _machine(logset)
-    for name, settings in logset.controllers.items():
-        if settings.get("kind") != "servo_position":
-            raise InputError(
-                f"{logset.folder / FILE}, controllers.{name}.kind",
-                f"{settings.get('kind')!r}", "servo_position",
-            )  # fmt: skip
+    require_controllers(logset, "servo_position")
     return machine, hold_back_runs([_run(run, logset, machine) for run in logset.runs])
 
 

@@ -18,10 +18,10 @@ from ....models import piezo_stack_kernel
 from ....models.piezo_stack import DECADES, PiezoStack, linear_stack
 from ...errors import InputError
 from ..floor import over_white_noise
-from ..logset import FILE, LogSet, Run
+from ..logset import LogSet, Run
 from ..machine import Array, Machine, Parameter, RunData, encoder_step, own_parameter
 from .reference import derivatives
-from .settings import nominal_settings, require_units, tolerance
+from .settings import nominal_settings, require_controllers, require_units, tolerance
 
 if TYPE_CHECKING:
     from ..effects import Form
@@ -94,12 +94,7 @@ def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
     """
     require_units(logset, {"u": "V", "y": "um"})
     nominal = nominal_settings(logset, {"gain_um_per_V", "offset_um", "rest_V"})
-    for name, settings in logset.controllers.items():
-        if settings.get("kind") != "open_loop":
-            raise InputError(
-                f"{logset.folder / FILE}, controllers.{name}.kind",
-                f"{settings.get('kind')!r}", "open_loop",
-            )  # fmt: skip
+    require_controllers(logset, "open_loop")
     u = np.concatenate([run.columns["u"] for run in logset.fit])
     y = np.concatenate([run.columns["y"] for run in logset.fit])
     if np.ptp(u) <= 0.0:

@@ -19,6 +19,7 @@ Not tried on this machine: friction that falls with speed, end stops and collisi
 between the joints.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -33,7 +34,7 @@ from ..machine import Array, Machine, Parameter, RunData, encoder_step, own_para
 from .reference import derivatives
 from .repeated import repeated_floor
 from .servo_torque import torque_remarks
-from .settings import Settings, require_units, tolerance
+from .settings import Settings, require_controllers, require_units, tolerance
 
 if TYPE_CHECKING:
     from ..effects import Form
@@ -45,6 +46,7 @@ SUBSTEPS = 4  # of the simulation, per sample
 EVERY = 5  # samples from one residual to the next
 SO101 = ("pitch", "elbow", "wrist_pitch")  # parallel axes, all pointing the same way
 SHORTEST = 50  # samples of a run
+TORQUE = re.compile(r"N ?m( from .+)?")  # unit, perhaps with what it was worked out from
 KEYS = {"kind", "joints", "servo", "parallel_axes", "nominal", "tolerance", "limits", "note",
         "description"}  # fmt: skip
 
@@ -142,12 +144,7 @@ def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
     logged = [f"{joint}_abs_torque" in logset.units for joint in joints]
     if any(logged):
         _require_torques(logset, joints)
-    for name, settings in logset.controllers.items():
-        if settings.get("kind") != "servo_position":
-            raise InputError(
-                f"{logset.folder / FILE}, controllers.{name}.kind",
-                f"{settings.get('kind')!r}", "servo_position",
-            )  # fmt: skip
+    require_controllers(logset, "servo_position")
     Settings(where, logset.system, KEYS)
     chain = _chain(logset.system.get("parallel_axes"), joints, where)
     machine = ArmMachine(
@@ -172,7 +169,7 @@ def _require_torques(logset: LogSet, joints: Sequence[str]) -> None:
     for joint in joints:
         name = f"{joint}_abs_torque"
         unit = logset.units.get(name, "")
-        if not unit.replace(" ", "").startswith("Nm"):
+        if not TORQUE.fullmatch(unit):
             raise InputError(
                 f"{logset.folder / FILE}, columns.{name}",
                 f"the unit is {unit!r}" if unit else "no such column",

@@ -79,3 +79,14 @@ def require_units(logset: LogSet, expected: Mapping[str, str]) -> None:
                 f"{unit}",
                 "Convert the column, or correct the unit if only the text is wrong.",
             )
+
+
+def require_controllers(logset: LogSet, kind: str) -> None:
+    """Refuse a controller of another kind."""
+    for name, settings in logset.controllers.items():
+        if settings.get("kind") != kind:
+            raise InputError(
+                f"{logset.folder / FILE}, controllers.{name}.kind",
+                f"{settings.get('kind')!r}",
+                kind,
+            )
