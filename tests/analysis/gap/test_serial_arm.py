@@ -20,6 +20,7 @@ DT, FINE, PERIOD = 0.02, 10, 8.0
 JOINTS = ("base", "pitch", "elbow")
 LAG, STIFFNESS, ENCODER = 0.07, 8.0, 2.0 * np.pi / 4096
 MOTIONS = ((0.3, 0.0), (0.6, 1.0), (0.9, 2.0), (0.5, 3.0))  # size [rad] and phase of each run
+FRICTION = np.array([[0.01], [0.02], [0.03]])  # of the joints [rad]
 REST = 2.0  # seconds of every period that the references stand still
 
 
@@ -100,10 +101,11 @@ def test_weight_is_named_at_the_joints_that_carry_it(tmp_path):
 
 
 def test_dry_friction_is_named_where_the_torque_shows_that_the_servo_feels_it(tmp_path):
-    found = diagnose(write(tmp_path / "set", friction=0.02)).to_json()
+    found = diagnose(write(tmp_path / "set", friction=FRICTION)).to_json()
     assert (found["verdict"], named(found)) == ("explained", {"friction.coulomb": set(JOINTS)})
-    level = found["effects"][0]["parameters"]["level_elbow"]["value"]
-    assert level == pytest.approx(0.02, abs=ENCODER)
+    for joint, level in zip(JOINTS, FRICTION[:, 0]):
+        value = found["effects"][0]["parameters"][f"level_{joint}"]["value"]
+        assert value == pytest.approx(level, abs=ENCODER)
 
 
 def test_without_torque_a_constant_load_may_be_a_false_zero(tmp_path):
@@ -114,9 +116,11 @@ def test_without_torque_a_constant_load_may_be_a_false_zero(tmp_path):
     assert named(found) == {"load.bias": {"pitch"}, "sensor.offset": {"pitch"}}
 
 
-def test_without_torque_dry_friction_may_be_a_clearance(tmp_path):
-    machine, runs = read_machine(load_logset(write(tmp_path / "set", torque=False)))
-    assert "transmission.backlash" in {form.effect for form in machine.forms(runs)}
+@pytest.mark.parametrize("torque", [False, True])
+def test_clearance_is_tried_where_no_torque_follows_the_error(tmp_path, torque):
+    folder = write(tmp_path / "set", friction=FRICTION, torque=torque)
+    machine, runs = read_machine(load_logset(folder))
+    assert ("transmission.backlash" in {form.effect for form in machine.forms(runs)}) != torque
 
 
 def test_stretches_repeat_only_while_something_moves():
@@ -137,6 +141,7 @@ def test_stretches_repeat_only_while_something_moves():
         ([("controller.kind", "joint_pd")], "expected servo_position"),
         ([("columns.JOINT", "deg")], "the unit is 'deg'"),
         ([("columns.JOINT_abs_torque", "A")], "the unit is 'A'"),
+        ([("columns.JOINT_abs_torque", "N mm from current")], "the unit is 'N mm from current'"),
     ],
 )
 def test_a_bad_description_is_one_clear_error(tmp_path, change, message):
