@@ -2,7 +2,7 @@
 
 PD every 1 ms with zero-order hold and 13-bit encoders, dry friction by tanh, one ODE4 step a sample. Each
 contender writes what the encoders read and what the controller commands, (samples, 2) each.
-Drake's source computes the reference while it runs; the others get it as samples.
+gapscope's source in Drake computes the reference while it runs; the others get it as samples.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +17,9 @@ from ...diagrams.c_drive_config import PD, CDriveLoopConfig, Machine
 from ...diagrams.c_drive_loop import actuated_drive
 from ...models import drive_kernels, encoder
 from ...models.c_drive_controllers import loop_controller
+from . import drake_peers, other_peers
 from .c_loop import NoCompilerError, c_loop
+from .peer_laws import Constants
 from .rounds import Contender, Group, Skipped, measure, rows
 
 NAME = "closed-loop"
@@ -31,6 +33,15 @@ OURS, DRAKE, PYTHON, C = (
     "plain Python",
     "C -O3 -march=native",
 )
+
+PEERS = {
+    "Drake, plain Python leaves": drake_peers.python_leaves,
+    "Drake C++ primitives": drake_peers.primitives,
+    "MuJoCo, friction in Python": other_peers.mujoco,
+    "python-control": other_peers.python_control,
+    "PathSim": other_peers.pathsim,
+    "bdsim": other_peers.bdsim,
+}
 
 Signals = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -85,12 +96,21 @@ def _contenders(config: CDriveLoopConfig, samples: int) -> tuple[list[Contender]
             name=PYTHON, run=_sampled(interpreted(drive_kernels, "simulate"), config, samples)
         ),
     ]
+    skipped = []
+    reference = config.program().sample(config.sample_time * np.arange(samples))[0]
+    constants = c_constants(config)
+    for name, peer in PEERS.items():
+        try:
+            run = peer(Constants(*constants.tolist()), reference)
+        except ImportError as error:
+            skipped.append(Skipped(name=name, reason=f"{error}; pip install 'gapscope[bench]'"))
+        else:
+            found.append(Contender(name=name, run=run))
     try:
-        reference = config.program().sample(config.sample_time * np.arange(samples))[0]
-        found.append(Contender(name=C, run=c_loop(reference, c_constants(config))))
+        found.append(Contender(name=C, run=c_loop(reference, constants)))
     except NoCompilerError as error:
-        return found, [Skipped(name=C, reason=str(error))]
-    return found, []
+        skipped.append(Skipped(name=C, reason=str(error)))
+    return found, skipped
 
 
 def c_constants(config: CDriveLoopConfig) -> NDArray[np.float64]:

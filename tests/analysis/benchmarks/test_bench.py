@@ -1,6 +1,7 @@
 """The benchmarks' arithmetic, agreement, files and what is skipped; never how fast this machine is."""
 
 import json
+import sys
 from itertools import chain, repeat
 from types import SimpleNamespace
 
@@ -62,6 +63,8 @@ def test_all_loops_agree(measured):
         closed_loop.OURS,
         closed_loop.DRAKE,
         closed_loop.PYTHON,
+        "Drake, plain Python leaves",
+        "Drake C++ primitives",
     }
     assert [row.name for row in measured.rows if not row.agrees] == []
     assert all(row.median_s > 0.0 for row in measured.rows)
@@ -92,10 +95,20 @@ def test_plain_python_runs_no_compiled_kernel():
 def test_c_is_skipped_by_name_without_a_working_compiler(monkeypatch, cc, words):
     monkeypatch.setenv("CC", cc)
     group = closed_loop.closed_loop(1, SAMPLES)
-    (skipped,) = group.skipped
-    assert skipped.name == closed_loop.C
-    assert words in skipped.reason
+    reasons = {skipped.name: skipped.reason for skipped in group.skipped}
+    assert words in reasons[closed_loop.C]
     assert group.reference == closed_loop.OURS
+
+
+def test_peers_that_are_not_installed_are_skipped_by_name(monkeypatch):
+    absent = ("mujoco", "control", "pathsim", "bdsim")
+    for name in absent:
+        monkeypatch.setitem(sys.modules, name, None)
+    group = closed_loop.closed_loop(1, SAMPLES)
+    reasons = {skipped.name: skipped.reason for skipped in group.skipped}
+    assert {name for name in absent if any(name in text for text in reasons.values())} == {*absent}
+    assert {row.name for row in group.rows}.isdisjoint(reasons)
+    assert "gapscope[bench]" in reasons["PathSim"]
 
 
 def test_c_source_comes_with_the_package():
