@@ -1,9 +1,9 @@
 """Mechatronic model of the five-bar, as in Roldan's Figs. 3.12-3.18 and 4.6: path, control, axes, machine.
 
-    path -> inverse kinematics -> loops -> axes -> forward kinematics
-                                   ^        |  ^
-                                   +--------+  | load
-                                            +-> inverse dynamics of the machine
+    path -> inverse kinematics -> loops -> windings -> axes -> forward kinematics
+                                   ^                   |  ^
+                                   +-------------------+  | load
+                                                       +-> inverse dynamics of the machine
 
 Joint-space control closes its outer loop on the joints, workspace control on the tool, computed torque replaces
 the outer loops by the inverse dynamics. The machine is a disturbance of the axes (Fig. 3.4) or one plant with them.
@@ -22,6 +22,7 @@ from ..models.paths import Path
 from ..models.servo_axis import ServoAxis
 from ..systems.servo.axes import CoupledAxes, ServoAxes
 from ..systems.servo.computed_torque import ComputedTorqueLoop
+from ..systems.servo.current_loop import CurrentLoop
 from ..systems.servo.kinematics import ForwardKinematics, InverseKinematics
 from ..systems.servo.machine_load import MachineLoad
 from ..systems.servo.path_source import PathSource
@@ -60,6 +61,7 @@ class FiveBarLoop:
     velocity_kp: float = 0.14  # [A s/rad]
     velocity_ki: float = 11.45  # printed in A/rad: times the integral of the speed error
     current_limit: float = np.inf  # [A]; not printed
+    current_loop: CurrentLoop | None = None  # with the windings; none: the current asked for flows
     torque_kp: float = 2500.0  # of computed torque [1/s^2]; chosen, double pole at 50 rad/s
     torque_kv: float = 100.0  # [1/s]; chosen
     position_period: float = 5e-3  # ts_pos of the model [s]; the machine has 20 ms
@@ -85,15 +87,14 @@ def build(loop: FiveBarLoop, path: Path) -> Diagram:
     _connect(builder, source, inverse, ("position", "velocity", "acceleration"))
     axes = _axes(builder, loop, start)
     current = _control(builder, loop, source, inverse, axes)
+    if loop.current_loop is not None:
+        current = loop.current_loop.connect(builder, current, axes, loop.axis.per_motor)
     builder.Connect(current, axes.GetInputPort("current"))
     builder.Connect(axes.GetOutputPort("position"), forward.GetInputPort("joint_position"))
     for name, port in zip(PORTS, (
-        source.GetOutputPort("position"),
-        inverse.GetOutputPort("joint_position"),
-        axes.GetOutputPort("position"),
-        axes.GetOutputPort("rate"),
-        current,
-        forward.GetOutputPort("position"),
+        source.GetOutputPort("position"), inverse.GetOutputPort("joint_position"),
+        axes.GetOutputPort("position"), axes.GetOutputPort("rate"),
+        current, forward.GetOutputPort("position"),
     )):  # fmt: skip
         builder.ExportOutput(port, name)
     return builder.Build()
@@ -111,11 +112,9 @@ def _axes(builder: DiagramBuilder, loop: FiveBarLoop, start: Any) -> Any:
 
 def _control(builder: Any, loop: FiveBarLoop, source: Any, inverse: Any, axes: Any) -> Any:
     """The controller's system, connected; its port of currents."""
-    task = loop.scheme in (Scheme.workspace, Scheme.torque_workspace)
     names = ("position", "velocity", "acceleration")
-    if not task:
+    if not (task := loop.scheme in (Scheme.workspace, Scheme.torque_workspace)):
         names, source = ("joint_position", "joint_rate", "joint_acceleration"), inverse
-    reference = dict(zip(("reference", "reference_rate", "reference_acceleration"), names))
     if loop.scheme in (Scheme.torque, Scheme.torque_workspace):
         controller: Any = builder.AddNamedSystem("computed_torque", ComputedTorqueLoop(
             loop.machine, loop.axis, period=loop.velocity_period,
@@ -129,7 +128,6 @@ def _control(builder: Any, loop: FiveBarLoop, source: Any, inverse: Any, axes: A
             per_motor=loop.axis.per_motor, feedforward=loop.feedforward,
             filter_time=loop.position_filter, machine=loop.machine if task else None,
         ))  # fmt: skip
-        del reference["reference_acceleration"]
         velocity = builder.AddNamedSystem("velocity_loop", PILoop(
             2, period=loop.velocity_period, kp=loop.velocity_kp, ki=loop.velocity_ki,
             limit=loop.current_limit, filter_time=loop.velocity_filter,
@@ -139,8 +137,9 @@ def _control(builder: Any, loop: FiveBarLoop, source: Any, inverse: Any, axes: A
         builder.Connect(gear.get_output_port(), velocity.GetInputPort("measured"))
         builder.Connect(controller.GetOutputPort("motor_rate"), velocity.GetInputPort("command"))
         current = velocity.GetOutputPort("output")
-    for port, name in reference.items():
-        builder.Connect(source.GetOutputPort(name), controller.GetInputPort(port))
+    for port, name in zip(("reference", "reference_rate", "reference_acceleration"), names):
+        if controller.HasInputPort(port):
+            builder.Connect(source.GetOutputPort(name), controller.GetInputPort(port))
     builder.Connect(axes.GetOutputPort("position"), controller.GetInputPort("joint_position"))
     return current
 

@@ -3,12 +3,14 @@ r"""Direct-current motor with its winding, and what a gear or a screw makes of i
 1. winding (3.1, 3.2): :math:`L\, di/dt = V - R i - K_E \dot\theta`, :math:`\tau = K_t i`
 2. transfer (3.3): :math:`I/(V - E) = 1/(L s + R)`
 3. gear (3.27): :math:`i_R = 1/i_r`; guide (3.28): :math:`i_R = p/(2 \pi i_r)`, m/rad
+4. gains of a sampled current loop, voltage held for T: :math:`k_I = R(1 - e^{-\omega T})/T`,
+   :math:`k_P = k_I T/(1 - e^{-RT/L})`. Its zero cancels the winding's pole; the loop's pole is :math:`e^{-\omega T}`.
 
 Not modelled: saturation of the iron, cogging, commutation. Units: V, A, ohm, H, rad/s, N m.
 """
 
 from dataclasses import dataclass
-from math import pi
+from math import expm1, pi
 from typing import Any
 
 from .transmission import Transfer
@@ -39,6 +41,19 @@ def winding_rate(
 ) -> Any:
     """Rate of the current [A/s] by (1)."""
     return (voltage - resistance * current - emf_constant * speed) / inductance
+
+
+def current_gains(motor: DCMotor, bandwidth: float, period: float) -> tuple[float, float]:
+    """k_P [V/A] and k_I [V/(A s)] by (4): at its samples the current follows as a lag of ``bandwidth`` [rad/s] does.
+
+    ``period`` T [s]. Raises ValueError unless both are positive.
+    """
+    if not (bandwidth > 0.0 and period > 0.0):
+        raise ValueError(
+            f"bandwidth is {bandwidth} and period is {period}; expected values above 0"
+        )
+    ki = -motor.resistance * expm1(-bandwidth * period) / period
+    return -ki * period / expm1(-motor.resistance * period / motor.inductance), ki
 
 
 def joint_per_motor(gear_ratio: float, lead: float | None = None) -> float:

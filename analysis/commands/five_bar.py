@@ -49,12 +49,21 @@ def simulate(
     feedforward: Annotated[
         float, typer.Option(help="Share of the reference's rate fed forward.", min=0.0)
     ] = 0.0,
+    current_bandwidth: Annotated[
+        float | None,
+        typer.Option(
+            help="Of a current loop around the motors' windings [Hz]; by default the current asked for flows.",
+            min=1.0,
+        ),
+    ] = None,
 ) -> None:
     """Five-bar with gears, cascaded loops and friction of Table 4.1 (Roldan, section 4.1)."""
     from ...diagrams import five_bar_loop
     from ..mechatronic import five_bar_run
 
+    inner = five_bar_run.current_loop(current_bandwidth)
     loop = five_bar_loop.FiveBarLoop(
+        current_loop=inner,
         scheme=five_bar_loop.Scheme(controller.value),
         coupling=five_bar_loop.Coupling(coupling.value),
         position_gain=five_bar_run.GAINS[motion.value] if gain is None else gain,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...diagrams.five_bar_loop import PORTS, FiveBarLoop, build
 from ...models.paths import Circle, Line
 from ...models.paths import Path as ToolPath
+from ...systems.servo.current_loop import CurrentLoop
 from ..errors import InputError
 from ..files import write_folder
 
@@ -67,6 +68,21 @@ class FiveBarRun:
         along = np.subtract(self.path.end, self.path.start) / self.path.profile.length
         off = self.position - np.asarray(self.path.start)
         return np.asarray(along[0] * off[:, 1] - along[1] * off[:, 0])
+
+
+def current_loop(bandwidth: float | None) -> CurrentLoop | None:
+    """A current loop of a bandwidth [Hz] on the default windings; InputError where its samples are too slow for it."""
+    if bandwidth is None:
+        return None
+    fastest = 0.2 / CurrentLoop().period
+    if not bandwidth <= fastest:
+        raise InputError(
+            "simulate 5r",
+            f"--current-bandwidth is {bandwidth:g} Hz",
+            f"at most {fastest:g} Hz, a fifth of the current loop's sample rate",
+            "Lower it, or leave it out for motors that carry the current asked for.",
+        )
+    return CurrentLoop(bandwidth=2.0 * np.pi * bandwidth)
 
 
 def simulate(

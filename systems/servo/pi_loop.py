@@ -10,12 +10,13 @@ from .. import scalars
 
 
 class PILoop(LeafSystem):
-    r"""Sampled :math:`u = \mathrm{clip}(k_P e + k_I \int e)`, e = command - measured (Roldan, Fig. 3.13).
+    r"""Sampled :math:`u = \mathrm{clip}(u_0 + k_P e + k_I \int e)`, e = command - measured (Roldan, Fig. 3.13).
 
     | port | size | unit |
     |---|---|---|
     | in  `command`  | n | motor rate [rad/s], or current [A] |
     | in  `measured` | n | as `command` |
+    | in  `feedforward` | n | u_0, as `output`; zero if not connected |
     | out `output`   | n | current [A], or voltage [V] |
 
     Discrete state every ``period`` seconds: outputs held, integrals of the error (they wait while the clip holds
@@ -42,7 +43,7 @@ class PILoop(LeafSystem):
         self.size, self.period = size, scalars.positive(self, "period", period, "s")
         self.kp, self.ki, self.limit = kp, ki, limit
         self.decay = control.derivative_decay(1.0 / filter_time, period) if filter_time else 0.0
-        for name in ("command", "measured"):
+        for name in ("command", "measured", "feedforward"):
             self.DeclareVectorInputPort(name, size)
         self.DeclareDiscreteState(np.zeros(3 * size))
         self.DeclareVectorOutputPort(
@@ -58,9 +59,11 @@ class PILoop(LeafSystem):
         measured = scalars.signal(self, context, "measured")
         seen = control.low_pass(measured, filtered, self.decay)
         error = scalars.signal(self, context, "command") - seen
+        port = self.GetInputPort("feedforward")
+        forward = port.Eval(context) if port.HasValue(context) else np.zeros(self.size)
         pairs = [
-            cascade.proportional_integral(e, s, self.kp, self.ki, self.limit, self.period)
-            for e, s in zip(error, integral)
+            cascade.proportional_integral(e, s, self.kp, self.ki, self.limit, self.period, f)
+            for e, s, f in zip(error, integral, forward)
         ]
         outputs, integrals = zip(*pairs)
         discrete_state.set_value(np.concatenate([outputs, integrals, seen]))
