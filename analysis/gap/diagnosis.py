@@ -34,7 +34,7 @@ from .prediction import Predictor
 from .ranking import Ranked
 from .shrinkage import Shrinkage, shrinkage
 from .signals import SignalFinding
-from .verdict import Verdict, confirmed, decide, doubted, in_step, with_findings
+from .verdict import Verdict, confirmed, decide, doubted, in_step, with_findings, with_late_clock
 
 HELD_BACK = 0.3  # share of a lone run's end that is kept for validation
 SIGNAL_PROBABILITY = 0.99  # of a signal finding, which passes its own strict test or is not made
@@ -190,7 +190,8 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     aside = machine.out_of_step(fit_runs, best)
     verdict = decide(ranking, retuned_rank, floor)
     verdict = within_law(verdict, ranking, retuned_rank, floor, machine.law_error)
-    verdict = with_findings(in_step(verdict, aside), findings)
+    verdict = with_late_clock(in_step(verdict, aside), ranking, findings)
+    verdict = with_findings(verdict, findings)
     chosen = verdict.accepted.fit if verdict.accepted else retuned
     tell("verifying on held-out runs")
     as_logged = [run for run in logged if run.use == "validate"]

@@ -171,6 +171,11 @@ FURTHER_PRICE = 0.1  # every effect beside the first one, on top of that
 
 def price(hypothesis: Hypothesis) -> float:
     """What parsimony asks of a hypothesis, as a fall of the log residual, before it may win."""
-    effects = sum(EFFECT_PRICE + form.price for form in hypothesis.forms)
     further = FURTHER_PRICE * max(len(hypothesis.forms) - 1, 0)
-    return PARAMETER_PRICE * hypothesis.size + effects + further
+    return sum(price_of(hypothesis, effect) for effect in hypothesis.ids) + further
+
+
+def price_of(hypothesis: Hypothesis, effect: str) -> float:
+    """What parsimony asks of one effect of a hypothesis and its parameters."""
+    (form,) = (form for form in hypothesis.forms if form.effect == effect)
+    return EFFECT_PRICE + form.price + PARAMETER_PRICE * len(hypothesis.kept(form))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .hypothesis import Fit, price
+from .hypothesis import Fit, price, price_of
 from .machine import Array
 
 RESAMPLES = 1000
@@ -40,7 +40,7 @@ def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
     """Best first, with bootstrap probabilities and gains over the retuned nominal."""
     chosen = best_by_ids(fits)
     losses = _shared_losses(chosen)
-    prices = np.array([price(f.hypothesis) for f in chosen])
+    prices = np.array([_fair_price(f, chosen) for f in chosen])
     samples = retuned.samples
     rng = np.random.default_rng(seed)
     draws = rng.integers(0, samples.size, (RESAMPLES, samples.size))
@@ -78,6 +78,24 @@ def _shared_losses(fits: Sequence[Fit]) -> Array:
             if losses[j].sum() < shared[i].sum() and _same_predictions(f, other):
                 shared[i] = losses[j]
     return shared
+
+
+def _fair_price(candidate: Fit, fits: Sequence[Fit]) -> float:
+    """Price of a hypothesis, its effects priced as in the cheapest of the same predictions.
+
+    A form of friction with one parameter more than its rival's must not decide between a gain and a scale.
+    """
+    mine = candidate.hypothesis
+    twins = [
+        f.hypothesis
+        for f in fits
+        if len(f.hypothesis.ids) == len(mine.ids) and _same_predictions(candidate, f)
+    ]
+    saved = sum(
+        max(price_of(mine, e) - price_of(twin, e) for twin in (mine, *twins) if e in twin.ids)
+        for e in mine.ids
+    )
+    return price(mine) - saved
 
 
 def _late_twins(fits: Sequence[Fit]) -> list[frozenset[str]]:

@@ -121,6 +121,30 @@ def with_findings(verdict: Verdict, findings: Sequence[SignalFinding]) -> Verdic
     return replace(verdict, verdict=joined, reason=f"{signals}. {rest}")
 
 
+def with_late_clock(
+    verdict: Verdict, ranking: Sequence[Ranked], findings: Sequence[SignalFinding]
+) -> Verdict:
+    """The verdict, or ``ambiguous`` where a delay or lag is claimed of a log whose clock was off.
+
+    A clock corrected by a little too little looks like an actuator that is late.
+    """
+    off = any(f.effect == "sensor.timing" for f in findings)
+    if not off or verdict.verdict != "explained" or verdict.accepted is None:
+        return verdict
+    hypothesis = verdict.accepted.fit.hypothesis
+    on_time = {form.effect for form in hypothesis.forms if not form.shifts}
+    if len(on_time) == len(hypothesis.forms):
+        return verdict
+    rivals = [r for r in ranking if set(r.fit.hypothesis.ids) == on_time]
+    return replace(
+        verdict,
+        verdict="ambiguous",
+        reason=f"The clock of the log was off, and what is left of that looks like an actuator that is "
+        f"late. {verdict.reason}",
+        rivals=tuple(rivals),
+    )
+
+
 def in_step(verdict: Verdict, out_of_step: float | None) -> Verdict:
     """The verdict, or ``unexplained`` where a disturbance out of step with the motion has raised the floor.
 

@@ -8,9 +8,24 @@ import numpy as np
 import pytest
 
 from gapscope.analysis.gap.attribution import _holds_nothing
-from gapscope.analysis.gap.ranking import TWIN, Ranked, _best_of_twins, _late_twins, _shared_wins
+from gapscope.analysis.gap.hypothesis import price
+from gapscope.analysis.gap.ranking import (
+    TWIN,
+    Ranked,
+    _best_of_twins,
+    _fair_price,
+    _late_twins,
+    _shared_wins,
+)
 from gapscope.analysis.gap.shrinkage import Shrinkage
-from gapscope.analysis.gap.verdict import GAP_RATIO, Verdict, confirmed, decide, doubted
+from gapscope.analysis.gap.verdict import (
+    GAP_RATIO,
+    Verdict,
+    confirmed,
+    decide,
+    doubted,
+    with_late_clock,
+)
 
 NO_GAP = Verdict(verdict="no_gap", reason="Small.", accepted=None, rivals=(), removed=None)
 
@@ -128,3 +143,36 @@ def test_beside_impacts_a_delay_and_a_lag_are_twins() -> None:
         found += [fit("actuator.lag", "clearance", rough=rough), fit("clearance", rough=rough)]
         shared = _best_of_twins(scores, _late_twins(found))
         np.testing.assert_array_equal(shared, [first, [0.9, 0.8], [0.1, 0.1]])
+
+
+def test_a_lag_in_a_log_whose_clock_was_off_is_doubted() -> None:
+    late, on_time = ranked(("friction.coulomb", "actuator.lag"), 0.9), ranked(*FALLING[:2])
+    for r in (late, on_time):
+        ids = r.fit.hypothesis.ids
+        r.fit.hypothesis.forms = [
+            SimpleNamespace(effect=e, shifts=e.startswith("actuator")) for e in ids
+        ]
+    clock: Any = SimpleNamespace(effect="sensor.timing")
+    offset: Any = SimpleNamespace(effect="sensor.offset")
+    claim = replace(NO_GAP, verdict="explained", accepted=late)
+    assert with_late_clock(claim, [late, DRY], [offset]) is claim
+    found = with_late_clock(claim, [late, DRY], [clock])
+    assert (found.verdict, found.rivals) == ("ambiguous", (DRY,))
+    sound = replace(claim, accepted=on_time)
+    assert with_late_clock(sound, [on_time], [clock]) is sound
+
+
+def test_a_shared_effect_costs_twins_the_same() -> None:
+    def fit(*effects: str, parameters: int, shift: float) -> Any:
+        forms = [SimpleNamespace(effect=e, price=0.0) for e in effects]
+        names = {e: ["p"] * (parameters if e == "friction.coulomb" else 1) for e in effects}
+        hypothesis = SimpleNamespace(ids=effects, forms=forms, kept=lambda form: names[form.effect])
+        return SimpleNamespace(hypothesis=hypothesis, residual=shift + np.ones(9), rms=1.0)
+
+    gain = fit("actuator.torque_constant", "friction.coulomb", parameters=3, shift=0.0)
+    scale = fit("sensor.scale", "friction.coulomb", parameters=1, shift=0.0)
+    other = fit("load.bias", "friction.coulomb", parameters=1, shift=1.0)
+    fits = [gain, scale, other]
+    assert price(gain.hypothesis) > price(scale.hypothesis)
+    assert _fair_price(gain, fits) == pytest.approx(price(scale.hypothesis))
+    assert _fair_price(gain, [gain, other]) == price(gain.hypothesis)
