@@ -11,9 +11,8 @@ from typing import Any
 from .errors import InputError
 
 DRAFT = ".gapscope-"  # start of the name of a folder that is being written
-DRAFT_FILE = re.compile(
-    r"\..+\.(json|html|md|png|csv|yaml)\.[a-z0-9_]{8}"
-)  # name of a file that is
+# Name of a file that is being written.
+DRAFT_FILE = re.compile(r"\..+\.(json|html|md|png|csv|yaml)\.[a-z0-9_]{8}")
 
 
 def require_writable(path: Path) -> None:

@@ -47,7 +47,7 @@ QUANTITIES = {
 def figures(geometry: Geometry) -> dict[str, Figure]:
     """Every figure by the name of its file."""
     level = maps.maps(geometry, n=61, heights=np.array(HEIGHTS))
-    upright = _diagonal(geometry)
+    upright = maps.diagonal(geometry)
     return {
         name: _figure(quantity, level, upright, geometry) for name, quantity in QUANTITIES.items()
     }
@@ -66,10 +66,7 @@ def _figure(quantity: Quantity, level: maps.Maps, upright: maps.Maps, geometry: 
         ax.contourf(1e3 * level.x, 1e3 * level.x, values.T, levels=levels, cmap="cividis")
         ax.set(title=f"z = {1e3 * z:.0f} mm", xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
     last = axes[-1]
-    along = np.arange(len(upright.x))
-    filled = last.contourf(
-        1e3 * upright.x, 1e3 * upright.z, tall[:, along, along], levels=levels, cmap="cividis"
-    )
+    filled = last.contourf(1e3 * upright.x, 1e3 * upright.z, tall, levels=levels, cmap="cividis")
     for surface in reach.reachable_surfaces(upright.x, upright.x, geometry):
         last.plot(1e3 * upright.x, 1e3 * surface, color="#666666", lw=1.0)
     last.set(title="over the diagonal x = y", xlabel="x = y [mm]", ylabel="z [mm]")
@@ -82,10 +79,3 @@ def _figure(quantity: Quantity, level: maps.Maps, upright: maps.Maps, geometry: 
     figure.colorbar(filled, ax=axes, label=quantity.label, format="%.3g", shrink=0.8)
     figure.suptitle(quantity.title)
     return figure
-
-
-def _diagonal(geometry: Geometry) -> maps.Maps:
-    x = np.linspace(geometry.carriage_min, geometry.carriage_max, 61)
-    low, high = reach.reachable_surfaces(x, x, geometry)
-    heights = np.linspace(low.min() - 0.005, high.max() + 0.005, 121)
-    return maps.maps(geometry, n=61, heights=heights)

@@ -37,24 +37,31 @@ def maps(geometry: Geometry, *, n: int = 41, heights: Floats | None = None) -> M
         low, high = reach.reachable_surfaces(x[:, None], x, geometry)
         heights = np.linspace(float(np.nanmin(low)), float(np.nanmax(high)), 25)
     z = np.asarray(heights, dtype=float)
-    grid = np.meshgrid(z, x, x, indexing="ij")
-    rotation = reach.rotatability(grid[1], grid[2], grid[0], geometry)
-    condition, torque, error = np.full((3, *rotation.shape), np.nan)
-    low, high = reach.turning_surfaces(x[:, None], x, 0.0, geometry)
-    inside = (grid[0] >= low) & (grid[0] <= high)
-    poses = np.column_stack(
-        [
-            grid[1][inside],
-            grid[2][inside],
-            grid[0][inside],
-            np.full(inside.sum(), geometry.centre_angle),
-        ]
-    )
+    return Maps(x=x, z=z, **_values(x[:, None], x, z[:, None, None], geometry))
+
+
+def diagonal(geometry: Geometry, *, n: int = 61, heights: int = 121) -> Maps:
+    """Maps over the vertical section x = y, with 5 mm around it: arrays (heights, points along x = y)."""
+    x = np.linspace(geometry.carriage_min, geometry.carriage_max, n)
+    low, high = reach.reachable_surfaces(x, x, geometry)
+    z = np.linspace(low.min() - 0.005, high.max() + 0.005, heights)
+    return Maps(x=x, z=z, **_values(x, x, z[:, None], geometry))
+
+
+def _values(x: Floats, y: Floats, z: Floats, geometry: Geometry) -> dict[str, Floats]:
+    """The fields of ``Maps`` at points [m]."""
+    low, high = reach.turning_surfaces(x, y, 0.0, geometry)
+    wide_x, wide_y, wide_z = np.broadcast_arrays(x, y, z)
+    inside = (z >= low) & (z <= high)
+    angle = np.full(inside.sum(), geometry.centre_angle)
+    poses = np.column_stack([wide_x[inside], wide_y[inside], wide_z[inside], angle])
     joints = kinematics.inverse(poses, geometry)
+    condition, torque, error = np.full((3, *inside.shape), np.nan)
     condition[inside] = kinematics.condition_number(poses, joints, geometry)
     torque[inside] = transmission.turning_torque(poses, joints, geometry, CDriveParameters().lead)
     error[inside] = transmission.turning_error(poses, joints, geometry)
-    return Maps(x=x, z=z, rotation=rotation, condition=condition, torque=torque, error=error)
+    rotation = reach.rotatability(wide_x, wide_y, wide_z, geometry)
+    return {"rotation": rotation, "condition": condition, "torque": torque, "error": error}
 
 
 def table(found: Maps) -> str:

@@ -95,6 +95,15 @@ def test_maps_are_those_of_each_posture():
     assert found.rotation[0, 1, 3] == reach.rotatability(*pose[:3], PROTOTYPE)
 
 
+def test_section_over_the_diagonal_is_that_of_the_maps():
+    section = maps.diagonal(PROTOTYPE, n=5, heights=7)
+    found, along = maps.maps(PROTOTYPE, n=5, heights=section.z), np.arange(5)
+    for name in ("rotation", "condition", "torque", "error"):
+        whole = getattr(found, name)[:, along, along]
+        np.testing.assert_allclose(getattr(section, name), whole, rtol=1e-12)
+    assert np.isfinite(section.condition).any()
+
+
 def test_kkt_residual_sees_a_point_that_is_no_optimum():
     problem = optimum._Problem(0.3, 0.3, -1.0, PROTOTYPE)
     top = np.array([high if i == 0 else low for i, (low, high) in enumerate(problem.bounds)])
