@@ -45,7 +45,9 @@ def png(result: PrototypeStudy) -> bytes:
         ylabel="rotation error relative to the top [-]",
         title="How strongly a flaw turns the gripper",
     )
-    heights.legend()
+    low, high = heights.get_ylim()
+    heights.set_ylim(low, high + 0.3 * (high - low))  # room for the legend
+    heights.legend(loc="upper right", ncols=2)
     image = BytesIO()
     figure.savefig(image, format="png", dpi=130)
     return image.getvalue()
