@@ -46,13 +46,15 @@ def acceleration(
     return [(c.m11 * left - c.m12 * right) / det, (c.m11 * right - c.m12 * left) / det]
 
 
-def ode4_step(c: Constants, state: Pair, torque: Pair) -> list[Any]:
+def ode4_step(
+    c: Constants, state: Pair, torque: Pair, tanh: Callable[[Any], Any] = math.tanh
+) -> list[Any]:
     """State (4,), angles then speeds, one sample later under a held torque."""
     v = (state[2], state[3])
-    a1 = acceleration(c, v, torque)
-    a2 = acceleration(c, ahead(c, v, a1, 0.5), torque)
-    a3 = acceleration(c, ahead(c, v, a2, 0.5), torque)
-    a4 = acceleration(c, ahead(c, v, a3, 1.0), torque)
+    a1 = acceleration(c, v, torque, tanh)
+    a2 = acceleration(c, ahead(c, v, a1, 0.5), torque, tanh)
+    a3 = acceleration(c, ahead(c, v, a2, 0.5), torque, tanh)
+    a4 = acceleration(c, ahead(c, v, a3, 1.0), torque, tanh)
     return ode4_sum(c, state, (a1, a2, a3, a4))
 
 

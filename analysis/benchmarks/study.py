@@ -5,17 +5,28 @@ from pathlib import Path
 
 from ..datasets import VARIABLE
 from ..errors import InputError
-from . import closed_loop, diagnosis, start_up
+from . import closed_loop, diagnosis, monte_carlo, start_up
 from .rounds import Group
 
-ROUNDS = {closed_loop.NAME: (31, 5), start_up.NAME: (31, 5), diagnosis.NAME: (3, 1)}  # full, quick
+ROUNDS = {  # full, quick
+    closed_loop.NAME: (31, 5),
+    monte_carlo.NAME: (5, 3),
+    start_up.NAME: (31, 5),
+    diagnosis.NAME: (3, 1),
+}
 
 
-def measured(name: str, quick: bool, open_sets: Path | None) -> Group:
-    """Measure the group ``name``; InputError if ``open_sets`` is stated and holds no log set."""
+def measured(name: str, quick: bool, open_sets: Path | None, sets: int | None = None) -> Group:
+    """Measure the group ``name``, with ``sets`` parameter sets in ``monte-carlo``.
+
+    InputError if ``open_sets`` is stated and holds no log set.
+    """
     rounds = ROUNDS[name][quick]
     if name == closed_loop.NAME:
         return closed_loop.closed_loop(rounds)
+    if name == monte_carlo.NAME:
+        usual = monte_carlo.QUICK_SETS if quick else monte_carlo.SETS
+        return monte_carlo.monte_carlo(rounds, sets or usual)
     if name == start_up.NAME:
         return start_up.start_up(rounds)
     if open_sets is not None and not diagnosis.log_sets(open_sets):

@@ -13,6 +13,7 @@ class GroupName(StrEnum):
     """What can be measured."""
 
     loop = "closed-loop"
+    many = "monte-carlo"
     start = "start-up"
     diagnosis = "diagnosis"
 
@@ -32,8 +33,12 @@ def bench(
             help="Folder of log sets to diagnose; by default gap/open beside GAPSCOPE_DATA.",
         ),
     ] = None,
+    sets: Annotated[
+        int | None,
+        typer.Option(min=1, help="Parameter sets of monte-carlo; by default 20000, quick 1000."),
+    ] = None,
 ) -> None:
-    """Time closed loop, start-up and diagnosis in interleaved rounds; exit code 1 on disagreement."""
+    """Time closed loop, Monte Carlo, start-up and diagnosis in interleaved rounds; exit code 1 on disagreement."""
     from rich.console import Console
 
     from ..benchmarks import report, study
@@ -42,7 +47,7 @@ def bench(
     groups = []
     for name in group or list(GroupName):
         with Console(stderr=True).status(f"measuring {name.value}"):
-            groups.append(study.measured(name.value, quick, open_sets))
+            groups.append(study.measured(name.value, quick, open_sets, sets))
         Console().print(report.table(groups[-1]))
     for path in report.write(groups, before, report.machine(), out):
         typer.echo(path)

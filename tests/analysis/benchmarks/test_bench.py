@@ -13,6 +13,7 @@ from gapscope.analysis.benchmarks import (
     c_loop,
     closed_loop,
     diagnosis,
+    monte_carlo,
     report,
     rounds,
     start_up,
@@ -109,6 +110,25 @@ def test_peers_that_are_not_installed_are_skipped_by_name(monkeypatch):
     assert {name for name in absent if any(name in text for text in reasons.values())} == {*absent}
     assert {row.name for row in group.rows}.isdisjoint(reasons)
     assert "gapscope[bench]" in reasons["PathSim"]
+
+
+def test_all_batches_agree_and_a_wrong_one_is_found(monkeypatch):
+    """Seven sets fill no block of lanes; one part in a million of one set's friction is found."""
+    group = monte_carlo.monte_carlo(1, 7, SAMPLES)
+    assert [row.name for row in group.rows if not row.agrees] == []
+    assert {row.name for row in group.rows} | {one.name for one in group.skipped} == {
+        monte_carlo.OURS,
+        monte_carlo.JAX,
+        monte_carlo.C,
+    }
+    if monte_carlo.C in {one.name for one in group.skipped}:
+        pytest.skip("no C compiler")
+    true = monte_carlo.c_batch
+    factor = np.ones((7, 6))
+    factor[6, 4] += 1e-6
+    monkeypatch.setattr(monte_carlo, "c_batch", lambda r, table, c: true(r, factor * table, c))
+    rows = {row.name: row for row in monte_carlo.monte_carlo(1, 7, SAMPLES).rows}
+    assert not rows[monte_carlo.OURS].agrees
 
 
 def test_c_source_comes_with_the_package():
