@@ -111,7 +111,10 @@ def test_search_improves_and_keeps_the_limits(method):
 
 @pytest.mark.slow
 def test_condition_number_of_the_2prr_is_reached():
-    """20.78 printed (6.1.4), by the series of (6.18)-(6.20), whose cycles start on the move; seed 0."""
+    """20.78 printed (6.1.4), by the series of (6.18)-(6.20), whose cycles start on the move.
+
+    That it can be reached, not how surely: of seeds 0 to 5 only 0 gets there (20.33 to 24.20).
+    """
     m = machines.machine("2prr")
     assert not m.at_rest
     kept = study.structure(m, 0)[0].kept
