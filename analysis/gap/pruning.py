@@ -12,6 +12,11 @@ from .search import linear_step
 
 IDLE = 1e-3  # a parameter whose loss rises by less than this without it goes at once
 
+# A place goes too, whatever the score says, where what it adds is slight in both ways: small errors of the model
+# beside a large effect make such a place significant.
+SLIGHT = 2e-2  # relative rise of the loss without it: 1 % of the residual
+SHARE = 1e-3  # of the rise without the effect's most important parameter: 3 % in amplitude
+
 Key = tuple[str, str]  # (effect, parameter)
 
 
@@ -23,6 +28,9 @@ def pruned(predictor: Predictor, full: Fit) -> Fit:
         if not candidates:
             return current
         one = [min(candidates)[1]]
+        if _slight(current, min(candidates)):
+            current = _without(predictor, current, one)
+            continue
         for gone in (_idle(candidates), one):
             trial = _without(predictor, current, gone)
             if trial.score <= current.score or gone == one:
@@ -30,6 +38,13 @@ def pruned(predictor: Predictor, full: Fit) -> Fit:
         if trial.score > current.score:
             return current
         current = trial
+
+
+def _slight(current: Fit, candidate: tuple[float, Key]) -> bool:
+    """Whether a parameter adds next to nothing, to the fit and to its effect."""
+    importance, (effect, _) = candidate
+    largest = max(i for i, key in zip(current.importance, current.keys) if key[0] == effect)
+    return bool(importance < min(SLIGHT, SHARE * largest))
 
 
 def _removable(current: Fit) -> list[tuple[float, Key]]:

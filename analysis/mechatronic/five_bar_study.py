@@ -9,10 +9,11 @@ import numpy as np
 from rich.table import Table
 
 from ...diagrams.five_bar_loop import Coupling, FiveBarLoop
+from ...models.paths import Line
 from ...models.servo_axis import ServoAxis
 from ..files import write_folder
-from . import friction_identification
-from .five_bar_run import ACCELERATION, CENTRE, GAINS, HEIGHT, simulate
+from . import friction_identification, x_move
+from .five_bar_run import ACCELERATION, CENTRE, GAINS, HEIGHT, PATHS, simulate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +53,7 @@ def study(seed: int = 0) -> list[Row]:
                     remark=f"at y = {HEIGHT} m, not printed, without feed-forward",
                 )
             )
+            rows += _unprinted()
         else:
             rows.append(
                 Row(
@@ -72,6 +74,31 @@ def study(seed: int = 0) -> list[Row]:
             )
         )
     return rows
+
+
+def _unprinted() -> list[Row]:
+    """What height and feed-forward do to the X move, by the lag of the position loop alone."""
+    path, gain = PATHS["x-move"], GAINS["x-move"]
+    assert isinstance(path, Line)
+    rows = [
+        Row(
+            quantity=f"X move at y = {height:.2f} m, off the path [mm]",
+            ours=off,
+            printed=x_move.PRINTED,
+            remark="lag of the position loop alone, without feed-forward",
+        )
+        for height, off in x_move.by_height(path, gain).items()
+    ]
+    share = x_move.feedforward_as_printed(path, gain)
+    return [
+        *rows,
+        Row(
+            quantity="feed-forward that gives the printed X move [-]",
+            ours=share,
+            printed=None,
+            remark=f"at y = {HEIGHT} m; no height in reach gives 22 mm without it",
+        ),
+    ]
 
 
 def table(rows: list[Row]) -> Table:

@@ -5,7 +5,7 @@ weight in its home posture; the platform follows by forward kinematics. Response
 fundamental of the last whole cycles.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ MOTIONS = {
 FREQUENCIES = (0.4, 0.5, 1.0, 2.0, 3.0, 3.5, 4.0, 4.5, 5.0, 7.0, 10.0, 14.0, 20.0)  # [Hz]
 PRINTED = {0.4: (0.994, -6.3), 5.0: (0.654, -62.5), 10.0: (0.432, -103.7)}  # gain, phase [deg]
 PRINTED_BANDWIDTH = {"axes alone": 4.0, "with the table": 3.5}  # [Hz]
+OTHER_GAINS = (18.0, 20.0, 22.0)  # k_v whose -3 dB spans the printed bandwidths [1/s]
 HOME = np.array([mast.MAST.home, 0.0, 0.0])
 SUBSTEPS = 20
 SIGN_RATE = 10.78  # beta of the 5R's axes, none is printed for the table [s/rad]
@@ -177,6 +178,7 @@ class Study:
     torques: list[TorqueComparison]
     resonances: tuple[float, float]  # of TF_2 and TF_1 [Hz]
     inertia_spread: float
+    by_gain: dict[float, Response]  # z with the table at other k_v [1/s]
 
 
 def study(gains: Gains | None = None) -> Study:
@@ -190,6 +192,7 @@ def study(gains: Gains | None = None) -> Study:
         torques=compare_torques(used),
         resonances=MANUFACTURER.resonances,
         inertia_spread=posture_spread(),
+        by_gain={k: response("z", gains=replace(used, position_gain=k)) for k in OTHER_GAINS},
     )
 
 

@@ -42,6 +42,14 @@ def document(study: Study) -> dict[str, Any]:
         },
         "resonance_Hz": {"load_on_held_motor": study.resonances[0], "free": study.resonances[1]},
         "torques": [{**asdict(t), "relative": t.relative} for t in study.torques],
+        "z_by_gain": [
+            {
+                "position_gain": k,
+                "minus_3_dB_Hz": _number(r.bandwidth),
+                "gain_at_5_Hz": _at_5_hz(r),
+            }
+            for k, r in study.by_gain.items()
+        ],
         "inertia_spread": study.inertia_spread,
         "remarks": remarks(study),
     }
@@ -55,6 +63,12 @@ def remarks(study: Study) -> list[str]:
     return [
         f"-3 dB in z at {loaded.bandwidth:.2f} Hz with the table and {alone.bandwidth:.2f} Hz without; printed are "
         f"3.5 and 4 Hz. The printed 65.4 % at 5 Hz puts -3 dB above 4 Hz, so 3.5 Hz is not the -3 dB of the same response.",
+        "A lower k_v moves -3 dB to the printed bandwidths but away from the printed 65.4 % at 5 Hz: "
+        + ", ".join(
+            f"{k:g} 1/s gives {r.bandwidth:.2f} Hz and {100 * _at_5_hz(r):.1f} %"
+            for k, r in study.by_gain.items()
+        )
+        + f"; the {study.gains.position_gain:g} 1/s used, {loaded.bandwidth:.2f} Hz and {100 * _at_5_hz(loaded):.1f} %.",
         "The table adds a few per cent to what the motors turn (reflected through the belt and 15:1), and the speed loop "
         f"rejects it: it moves -3 dB by {loaded.bandwidth - alone.bandwidth:+.2f} Hz, not by the printed -0.5 Hz.",
         f"Torque at {slow.frequency:g} Hz: the manufacturers' values give {100 * slow.relative:+.0f} % "
@@ -119,6 +133,10 @@ def plot(responses: list[Response], path: Path) -> None:
         gain.set_title("Up to which frequency does the table follow?")
         figure.savefig(path, dpi=130)
         plt.close(figure)
+
+
+def _at_5_hz(response: Response) -> float:
+    return float(response.gain[np.argmin(np.abs(response.frequencies - 5.0))])
 
 
 def _number(value: float) -> float | None:

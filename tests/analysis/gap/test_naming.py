@@ -14,7 +14,7 @@ from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
 from gapscope.analysis.gap.prediction import Predictor
-from gapscope.analysis.gap.pruning import _balanced
+from gapscope.analysis.gap.pruning import _balanced, _slight
 from gapscope.models import friction
 
 
@@ -93,3 +93,12 @@ def test_values_give_a_form_its_name(nominal_logset):
             f.hypothesis.plant(machine, f.by_key()) for f in (found, replace(start, values=vector))
         ]
         assert np.array_equal(plants[0].drive.element, plants[1].drive.element)
+
+
+@pytest.mark.parametrize(
+    ("importance", "kept"), [((0.01, 75.0), False), ((0.03, 75.0), True), ((0.01, 5.0), True)]
+)
+def test_a_place_goes_where_it_adds_little_to_the_fit_and_to_its_effect(importance, kept):
+    keys = (("inertia.payload", "extra_rotors"), ("inertia.payload", "extra_platform"))
+    current = SimpleNamespace(keys=keys, importance=importance)
+    assert _slight(current, (importance[0], keys[0])) is not kept

@@ -80,18 +80,26 @@ def test_report_holds_every_number(tmp_path):
     study = mast_bandwidth.Study(
         gains=Gains(),
         responses=[
-            mast_bandwidth.response("z", table=table, frequencies=(0.5, 4.0, 6.0))
+            mast_bandwidth.response("z", table=table, frequencies=(0.5, 4.0, 5.0))
             for table in (True, False)
         ],
         torques=mast_bandwidth.compare_torques(),
         resonances=MANUFACTURER.resonances,
         inertia_spread=mast_bandwidth.posture_spread(),
+        by_gain={
+            18.0: mast_bandwidth.response(
+                "z", gains=Gains(position_gain=18.0), frequencies=(0.5, 3.0, 4.0, 5.0)
+            )
+        },
     )
     paths = mast_report.write(study, tmp_path / "out")
     document = json.loads(paths[0].read_text())
     assert document["assumed"]["position_gain"] == 24.0
     assert document["responses"][0]["minus_3_dB_Hz"] == pytest.approx(4.7, abs=0.2)
-    assert len(document["remarks"]) == 5
+    assert len(document["remarks"]) == 6
+    (slower,) = document["z_by_gain"]
+    assert slower["minus_3_dB_Hz"] < 3.5
+    assert slower["gain_at_5_Hz"] < 0.6
     assert paths[1].stat().st_size > 10_000
     assert study.inertia_spread < 0.01
     assert mast_report.table(study).row_count == 3

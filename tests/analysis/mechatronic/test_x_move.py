@@ -1,0 +1,22 @@
+"""The X move's deviation against what is not printed."""
+
+import pytest
+
+from gapscope.analysis.mechatronic import x_move
+from gapscope.analysis.mechatronic.five_bar_run import GAINS, HEIGHT, PATHS
+
+PATH, GAIN = PATHS["x-move"], GAINS["x-move"]
+
+
+def test_lag_of_the_position_loop_explains_the_diagram_s_deviation():
+    """26.08 mm by the diagram, ``gapscope compare 5r``."""
+    assert x_move.deviation(PATH, GAIN, 0.0) == pytest.approx(26.08, abs=0.1)
+
+
+def test_no_height_gives_the_printed_deviation_but_a_share_of_feedforward_does():
+    off = x_move.by_height(PATH, GAIN)
+    assert min(off.values()) > x_move.PRINTED + 1.0
+    assert off[HEIGHT] == pytest.approx(x_move.deviation(PATH, GAIN, 0.0))
+    share = x_move.feedforward_as_printed(PATH, GAIN)
+    assert x_move.deviation(PATH, GAIN, share) == pytest.approx(x_move.PRINTED, abs=0.05)
+    assert 0.3 < share < 0.5
