@@ -7,6 +7,7 @@ import signal
 
 import numpy as np
 import pytest
+import threadpoolctl
 
 from gapscope.analysis import blind_check
 from gapscope.analysis.errors import InputError
@@ -37,6 +38,18 @@ def share(request):
     if request.param == "processes":
         return {"workers": 2}
     return {"cluster": request.getfixturevalue("scheduler")}
+
+
+def test_linear_algebra_runs_on_one_thread_everywhere(share):
+    """The last bits of a sum depend on the number of threads."""
+
+    def threads():
+        np.linalg.eigh(np.eye(2))  # loads a library where there was none
+        return [library["num_threads"] for library in threadpoolctl.threadpool_info()]
+
+    for keywords in ({}, share):
+        ((_, found),) = each(threads, [()], **keywords)
+        assert set(found) == {1}
 
 
 def deadly(folder, times):
