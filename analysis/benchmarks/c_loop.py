@@ -73,17 +73,20 @@ def _load(name: str, flags: Sequence[str], integers: int, arrays: int) -> Any:
     """The C function ``name`` of the file of that name, called with integers, then arrays."""
     source = resources.files(__package__).joinpath(f"{name}.c").read_text()
     with tempfile.TemporaryDirectory(prefix="gapscope-bench-") as folder:
-        file, library = Path(folder) / "loop.c", Path(folder) / "loop.so"
+        file, loop, library = (Path(folder) / f"loop.{end}" for end in ("c", "o", "so"))
         file.write_text(source)
-        done = subprocess.run(
-            [compiler(), *flags, "-shared", "-fPIC", "-o", library, file, "-lm"],
-            capture_output=True,
-            text=True,
-        )
-        if done.returncode != 0:
-            line = (done.stderr.strip() or f"exit code {done.returncode}").splitlines()[0]
-            raise NoCompilerError(f"the C compiler failed: {line}")
+        _run([compiler(), *flags, "-fPIC", "-c", "-o", loop, file])
+        # Linked without -ffast-math, which would switch off subnormal numbers in this whole process.
+        threads = [flag for flag in flags if flag == "-fopenmp"]
+        _run([compiler(), *threads, "-shared", "-o", library, loop, "-lm"])
         function = getattr(ctypes.CDLL(str(library)), name)
     function.argtypes = [ctypes.c_int] * integers + [ctypes.c_void_p] * arrays
     function.restype = None
     return function
+
+
+def _run(command: Sequence[str | Path]) -> None:
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        line = (done.stderr.strip() or f"exit code {done.returncode}").splitlines()[0]
+        raise NoCompilerError(f"the C compiler failed: {line}")

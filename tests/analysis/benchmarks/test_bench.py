@@ -131,6 +131,15 @@ def test_all_batches_agree_and_a_wrong_one_is_found(monkeypatch):
     assert not rows[monte_carlo.OURS].agrees
 
 
+def test_the_fast_c_batch_leaves_subnormal_numbers_on():
+    """Linked with -ffast-math it would switch them off in the whole process."""
+    try:
+        c_loop._load("c_drive_batch", c_loop.BATCH_FLAGS, integers=2, arrays=4)
+    except c_loop.NoCompilerError as error:
+        pytest.skip(str(error))
+    assert np.float64(np.finfo(float).tiny) / 4.0 > 0.0
+
+
 def test_c_source_comes_with_the_package():
     reference = np.zeros((3, 2))
     constants = closed_loop.c_constants(closed_loop.task())
