@@ -9,7 +9,7 @@ import platform
 import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
 from importlib.metadata import version
-from typing import Any
+from typing import Any, NamedTuple
 
 from .errors import InputError
 
@@ -18,6 +18,12 @@ PATIENCE = "30 s"  # for a scheduler to answer and a worker to join
 MUST_AGREE = ("gapscope", "drake", "numpy", "scipy", "numba")
 
 Call = tuple[Any, ...]
+
+
+class Finished(NamedTuple):
+    """What a worker of the cluster gives back, told apart from an error by its type."""
+
+    value: Any
 
 
 def each(
@@ -110,12 +116,13 @@ def _on_cluster(
 
         submit()
         try:
-            for future, value in finished:
-                if future.status != "finished":
+            for future, result in finished:
+                # not by the status: it becomes "lost" when a worker dies after its result has come
+                if not isinstance(result, Finished):
                     _refuse(distributed, future, address)
                 i = number.pop(future)
                 submit()
-                yield i, value
+                yield i, result.value
         finally:
             client.cancel(list(number), force=True)
 
@@ -184,7 +191,7 @@ def _versions() -> dict[str, str]:
     return {"python": platform.python_version()} | {name: version(name) for name in MUST_AGREE}
 
 
-def _same_versions(expected: dict[str, str], function: Callable[..., Any], call: Call) -> Any:
+def _same_versions(expected: dict[str, str], function: Callable[..., Any], call: Call) -> Finished:
     """Runs on a worker of the cluster."""
     found = _versions()
     for name, wanted in expected.items():
@@ -195,4 +202,4 @@ def _same_versions(expected: dict[str, str], function: Callable[..., Any], call:
                 f"{wanted} as where the run was started",
                 "Install the same versions everywhere: results would differ in their bits.",
             )
-    return _on_one_thread(function, call)
+    return Finished(_on_one_thread(function, call))

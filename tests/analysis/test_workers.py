@@ -4,6 +4,7 @@ import json
 import os
 import pickle
 import signal
+import time
 
 import numpy as np
 import pytest
@@ -27,7 +28,10 @@ def scheduler(tmp_path_factory):
     )
     folder = tmp_path_factory.mktemp("dask")
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=str(folder)
+        n_workers=2,
+        threads_per_worker=1,
+        dashboard_address="127.0.0.1:0",
+        local_directory=str(folder),
     ) as cluster:
         yield cluster.scheduler_address
 
@@ -89,6 +93,27 @@ def test_a_killed_worker_costs_no_case_and_no_bit(share, tmp_path):
         assert (tmp_path / "shared" / path.name).read_bytes() == path.read_bytes()
 
 
+def test_a_worker_killed_after_its_results_came_costs_none_of_them(scheduler, tmp_path):
+    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
+
+    def slow_the_second_time(x):
+        if (tmp_path / str(x)).exists():
+            time.sleep(1)
+        (tmp_path / str(x)).touch()
+        return x * x
+
+    results = each(slow_the_second_time, [(x,) for x in range(3)], cluster=scheduler)
+    found = [next(results)]
+    while len(list(tmp_path.iterdir())) < 3:
+        time.sleep(0.01)
+    time.sleep(0.2)  # for the results to come
+    with distributed.Client(scheduler, set_as_default=False) as client:
+        for process in client.run(os.getpid).values():
+            os.kill(process, signal.SIGKILL)
+    time.sleep(0.3)  # for the scheduler to tell of the loss
+    assert sorted(found + list(results)) == [(x, x * x) for x in range(3)]
+
+
 def test_a_workspace_row_has_the_same_bits_everywhere(share, tmp_path):
     geometry = Geometry()
     ys = np.linspace(geometry.carriage_min, geometry.carriage_max, 3).tolist()
@@ -146,7 +171,7 @@ def test_real_blind_cases_survive_a_killed_worker_of_the_cluster_bit_for_bit(tmp
     distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
     blind_check.run(seed=12, cases=3, out=tmp_path / "alone")
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None,
+        n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0",
         local_directory=str(tmp_path / "dask"),
     ) as cluster:  # fmt: skip
         killed = []
