@@ -62,7 +62,7 @@ def loop_controller(
     """
     one, zero = np.eye(2), np.zeros((2, 2))
     if isinstance(settings, PD):
-        return _feedback(
+        return feedback(
             kp=settings.kp * one,
             ki=settings.ki * one,
             kd=settings.kd * one,
@@ -70,7 +70,7 @@ def loop_controller(
             output=one,
         )
     if isinstance(settings, TaskSpacePD):
-        return _feedback(
+        return feedback(
             kp=task_gain(settings.kp_translation, settings.kp_rotation, model.lead),
             ki=zero,
             kd=task_gain(settings.kd_translation, settings.kd_rotation, model.lead),
@@ -79,7 +79,7 @@ def loop_controller(
         )
     kp_rotation = settings.kp if settings.kp_rotation is None else settings.kp_rotation
     kd_rotation = settings.kd if settings.kd_rotation is None else settings.kd_rotation
-    return _feedback(
+    return feedback(
         kp=task_gain(settings.kp, kp_rotation, model.lead),
         ki=zero,
         kd=task_gain(settings.kd, kd_rotation, model.lead),
@@ -91,7 +91,7 @@ def loop_controller(
     )
 
 
-def _feedback(
+def feedback(
     *,
     kp: Any,
     ki: Any,
@@ -102,7 +102,8 @@ def _feedback(
     friction: Any = None,
     observer: DiscreteObserver | None = None,
 ) -> LoopController:
-    zero = np.zeros((2, 2))
+    """FEEDBACK with these matrices (n, n); without an observer it knows no rate."""
+    zero = np.zeros_like(kp)
     observer = observer or DiscreteObserver(zero, zero, zero, zero, zero)
     return LoopController(
         kind=FEEDBACK,

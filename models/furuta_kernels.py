@@ -29,14 +29,15 @@ def balance(
     """Commands ``out`` (S, 1) [V] of the law for logged positions (S, 2)."""
     before, slope = np.zeros(2), np.zeros(2)
     for s in range(len(reference)):
-        out[s, 0] = _command(reference[s], position[s], feedforward[s], law, dt, before, slope)
+        out[s, 0] = command_of(reference[s], position[s], feedforward[s], law, dt, before, slope)
 
 
 @compilation.kernel
-def _command(
+def command_of(
     reference: Any, position: Any, feedforward: float, law: Balancer, dt: float, before: Any,
     slope: Any,
 ) -> float:  # fmt: skip
+    """Command [V] of one sample; moves the law's memory on, errors ``before`` and ``slope`` (2,)."""
     u = feedforward
     for i in range(2):
         e = reference[i] - position[i]
@@ -64,9 +65,11 @@ def simulate(
         if s >= first:
             for i in range(2):
                 position[s, i] = lsb * np.round(x[i] / lsb) if lsb > 0.0 else x[i]
-        command[s, 0] = _command(reference[s], position[s], feedforward[s], law, dt, before, slope)
+        command[s, 0] = command_of(
+            reference[s], position[s], feedforward[s], law, dt, before, slope
+        )
         if s >= first:
-            _advance(x, torque, command, s, phi, joints, volts, dt, substeps)
+            advance(x, torque, command, s, phi, joints, volts, dt, substeps)
 
 
 @compilation.kernel
@@ -78,12 +81,12 @@ def predict(
     x = start.copy()
     torque = np.array([volts * joints.actuator[0, GAIN] * command[max(first - 1, 0), 0]])
     for k in range(len(position)):
-        _advance(x, torque, command, first + k, phi, joints, volts, dt, substeps)
+        advance(x, torque, command, first + k, phi, joints, volts, dt, substeps)
         position[k] = x[:2]
 
 
 @compilation.kernel
-def _advance(
+def advance(
     x: Any, torque: Any, command: Any, s: int, phi: Any, joints: Any, volts: float, dt: float,
     substeps: int,
 ) -> None:  # fmt: skip

@@ -1,24 +1,18 @@
 """``gapscope rig MACHINE``: a virtual machine with a position controller, driven from a web page."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from ..rig.machines import NAMES
 from . import places
 
 
-class Machine(StrEnum):
-    """Machines behind the rig."""
-
-    c_drive = "c-drive"
-    slider = "slider"
-    pmc = "pmc"
-
-
 def rig(
-    machine: Annotated[Machine, typer.Argument(help="What stands behind the controller.")],
+    machine: Annotated[
+        str, typer.Argument(help=f"What stands behind the controller: {', '.join(NAMES)}.")
+    ],
     out: Annotated[
         Path, typer.Option(callback=places.folder, help="Folder for the log sets measurement1, ...")
     ] = Path("out/rig"),
@@ -39,9 +33,9 @@ def rig(
     from ..rig.recorder import Recorder
     from ..rig.server import serve
 
-    built = machines.build(machine.value, fault, seed)
+    built = machines.build(machine, fault, seed)
     server = serve(Rig(built, Recorder(out), seed), port)
-    typer.echo(f"{machine.value} at {server.url} (shut down there, or Ctrl-C); logs in {out}")
+    typer.echo(f"{machine} at {server.url} (shut down there, or Ctrl-C); logs in {out}")
     try:
         while server.pacer.is_alive():
             time.sleep(0.1)

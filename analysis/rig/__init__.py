@@ -4,7 +4,8 @@ After appendix A of Roldan 2017 (a real-time position controller for parallel ma
 position controller in real time, a client that drives it, one task at a time, and a state machine for both.
 
 1. ``states``      the state machine, as data;
-2. ``machine``     what a machine must offer; ``c_drive``, ``slider`` and ``pmc`` do;
+2. ``machine``     what a machine must offer; ``machines`` lists those that do. ``chain`` is any parallel machine,
+   ``drive_machine`` any drive; the others are one module each;
 3. ``controller``  the rig: requests, setpoints, limit switches, quick stop, acquisition;
 4. ``recorder``    finished runs as log sets that ``gapscope diagnose`` reads;
 5. ``pacing``, ``server``  real time, and the web page on localhost.

@@ -79,14 +79,17 @@ class CDrive(DriveMachine):
             "tau_R": "Nm, commanded",
         }
 
-    def row(self, reference: Floats, reading: Floats, command: Floats) -> Sequence[float]:
-        """References, readings, torques."""
-        return [*reference, *reading, *command]
+    def row(
+        self, time: float, reference: Floats, reading: Floats, command: Floats
+    ) -> Sequence[float]:
+        """Time, references, readings, torques."""
+        return [time, *reference, *reading, *command]
 
     def document(self) -> dict[str, Any]:
         """System and controller."""
         return {
             "system": {"kind": "c_drive", "nominal": dict(self._nominal)},
+            "sample_time_s": self.layout.dt,
             "controller": dict(self._controller),
         }
 

@@ -19,7 +19,7 @@ from .setpoints import Ramp
 from .states import MOVING, REQUESTS, TRANSITIONS, Event, Refused, State, follow
 
 QUICK = 4.0  # deceleration of a stop over that of a halt
-SHOWN = 20  # samples between two points of the page's plot
+SHOWN = 0.02  # between two points of the page's plot [s]
 KEPT = 300  # points of the plot
 
 
@@ -41,6 +41,8 @@ class Rig:
         self._ramp: Ramp | None = None
         self._reference, self._before, self._command = np.zeros(n), np.zeros(n), np.zeros(n)
         self._rows: list[list[float]] = []
+        self._recorded = 0  # samples of the run so far
+        self._every = max(1, round(SHOWN / machine.layout.dt))
         self._halted = False
         self._pressed: frozenset[tuple[int, int]] = frozenset()
         self._use = "fit"
@@ -97,7 +99,7 @@ class Rig:
     # --- motions ------------------------------------------------------------------------------
 
     def _begin(self, motion: Iterator[Setpoint]) -> None:
-        self._motion, self._rows, self._halted = motion, [], False
+        self._motion, self._rows, self._recorded, self._halted = motion, [], 0, False
         self._reference = self._before = self.machine.read()
         self.machine.wake()
 
@@ -149,7 +151,7 @@ class Rig:
             self._follow()
             self._watch()
         self.samples += 1
-        if self.samples % SHOWN == 0:
+        if self.samples % self._every == 0:
             self.trace.append(self._point())
 
     def _follow(self) -> None:
@@ -170,7 +172,11 @@ class Rig:
             self._before = self._reference
         self._command = self.machine.step(setpoint.reference, setpoint.acceleration)
         if setpoint.record:
-            self._rows.append([*self.machine.row(setpoint.reference, reading, self._command)])
+            time = self._recorded * self.machine.layout.dt
+            row = self.machine.row(time, setpoint.reference, reading, self._command)
+            self._recorded += 1
+            if len(row):
+                self._rows.append([*row])
 
     def _watch(self) -> None:
         if self._motion is None:

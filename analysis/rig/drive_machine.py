@@ -19,6 +19,8 @@ HISTORY = 64  # samples kept: the longest delay of a command, and the rate over 
 class DriveMachine:
     """Plant ``plant`` at its true position, with encoders, under the law ``law``."""
 
+    substeps = 1  # of the plant in a sample
+
     def __init__(self, layout: Layout, plant: Drive, law: LoopController) -> None:
         self.layout = layout
         self.law = law
@@ -34,7 +36,12 @@ class DriveMachine:
         self.wake()
 
     def power_up(self, rng: np.random.Generator) -> None:
-        """Stand somewhere between the switches, the encoders at zero."""
+        """Stand somewhere between the switches, the encoders at zero; or on the mark, if it homes there."""
+        if not self.layout.finds_switch:
+            self._q = self.layout.home.copy()
+            self.brake()
+            self.preset(self._q)
+            return
         axes = np.array(
             [
                 rng.uniform(a.low + 0.2 * (a.high - a.low), a.high - 0.2 * (a.high - a.low))
@@ -82,11 +89,15 @@ class DriveMachine:
             last, self._wanted, self._acceleration, self._position, self.law, dt, self._memory,
             self._command,
         )  # fmt: skip
+        self._load_plant()
         drive_kernels.advance(
             last, self._q, self._v, self._z, self._held, self._lag, self._torque, self._command,
-            self._plant, dt, 1, self._work,
+            self._plant, dt, self.substeps, self._work,
         )  # fmt: skip
         return self._command[-1].copy()
+
+    def _load_plant(self) -> None:
+        """Put what hangs on the shafts in the present posture into the plant; nothing for a drive alone."""
 
     def brake(self) -> None:
         """Stand still without power."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -11,16 +11,15 @@ from ...models.drive import Drive
 from ..errors import InputError
 
 MYSTERY = "mystery"
-Plant = TypeVar("Plant")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fault:
-    """A fault by its name on the command line, the effect it is, and how it changes a drive."""
+    """A fault by its name on the command line, the effect it is, and how it changes a plant."""
 
     name: str
     effect: str  # its id in the catalogue
-    apply: Callable[[Drive, float], None]  # with the strength
+    apply: Callable[[Any, float], None]  # to the plant, with the strength
     strength: tuple[float, float]  # drawn between
     unit: str
 
@@ -72,8 +71,8 @@ def choose(name: str, known: Mapping[str, Fault], rng: np.random.Generator) -> F
     return known[name]
 
 
-def give(name: str, plant: Drive, known: Mapping[str, Fault], seed: int) -> str:
-    """Apply the fault to the drive; says what was done, for who gives up."""
+def give(name: str, plant: Any, known: Mapping[str, Fault], seed: int) -> str:
+    """Apply the fault to the plant; says what was done, for who gives up."""
     rng = np.random.default_rng(seed)
     fault = choose(name, known, rng)
     if fault is None:

@@ -47,6 +47,8 @@ class Layout:
     lsb: float  # of the encoders [unit], 0 for exact ones
     following_error: float  # at most [unit]
     dt: float = 1e-3  # period of the controller [s]
+    rate: float = 1.0  # of a trajectory to begin with [Hz]
+    tables: bool = True  # whether trajectories may come as tables of samples
 
     def axis(self, motors: Floats) -> Floats:
         """Axis positions (axes,) of motor positions (motors,)."""
@@ -107,8 +109,10 @@ class RigMachine(Protocol):
     def columns(self) -> dict[str, str]:
         """Columns of a log and their units, ``t`` first, then as ``row`` gives them."""
 
-    def row(self, reference: Floats, reading: Floats, command: Floats) -> Sequence[float]:
-        """One row of the log without its time."""
+    def row(
+        self, time: float, reference: Floats, reading: Floats, command: Floats
+    ) -> Sequence[float]:
+        """One row of the log, its time in the run [s] first; empty where this sample logs nothing."""
 
     def document(self) -> dict[str, Any]:
-        """``logset.yaml`` without name, columns and runs."""
+        """``logset.yaml`` without name, columns and runs, with ``sample_time_s`` if the clock is even."""

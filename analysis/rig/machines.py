@@ -1,19 +1,38 @@
 """Machines by the name they have on the command line."""
 
 from collections.abc import Callable
+from functools import partial
+from importlib import import_module
 
+from ..errors import InputError
 from .machine import RigMachine
+
+Builder = Callable[[str, int], RigMachine]
+CHAINS = ("5r", "replalink", "2prr", "mast", "3prs")
+OTHERS = {
+    "c-drive": ("c_drive", "CDrive"),
+    "slider": ("slider", "Slider"),
+    "pmc": ("pmc", "Carrier"),
+    "mm3a": ("mm3a", "Manipulator"),
+    "furuta": ("furuta", "Furuta"),
+    "arm": ("arm", "Arm"),
+}
+NAMES = (*OTHERS, *CHAINS)
 
 
 def build(name: str, fault: str, seed: int) -> RigMachine:
-    """The machine with a fault; InputError for an unknown fault, KeyError for an unknown machine."""
-    from .c_drive import CDrive
-    from .pmc import Carrier
-    from .slider import Slider
+    """The machine with a fault; InputError for an unknown machine or fault."""
+    if name not in NAMES:
+        raise InputError("rig", f"unknown machine {name!r}", f"one of {', '.join(NAMES)}")
+    return _builder(name)(fault, seed)
 
-    kinds: dict[str, Callable[[str, int], RigMachine]] = {
-        "c-drive": CDrive,
-        "slider": Slider,
-        "pmc": Carrier,
-    }
-    return kinds[name](fault, seed)
+
+def _builder(name: str) -> Builder:
+    if name in CHAINS:
+        from .chain import ChainDrive
+        from .chains import CHAINS as known
+
+        return partial(ChainDrive, known[name])
+    module, kind = OTHERS[name]
+    found: Builder = getattr(import_module(f".{module}", __package__), kind)
+    return found

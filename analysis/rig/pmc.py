@@ -149,9 +149,11 @@ class Carrier:
             units |= {f"psi_{motor}_ref": "rad", f"psi_{motor}": "rad", f"tau_{motor}": "N m"}
         return units
 
-    def row(self, reference: Floats, reading: Floats, command: Floats) -> Sequence[float]:
-        """Reference, reading and torque of each motor in turn."""
-        return [float(v) for v in np.column_stack([reference, reading, command]).ravel()]
+    def row(
+        self, time: float, reference: Floats, reading: Floats, command: Floats
+    ) -> Sequence[float]:
+        """Time, then reference, reading and torque of each motor in turn."""
+        return [time, *np.column_stack([reference, reading, command]).ravel().tolist()]
 
     def document(self) -> dict[str, Any]:
         """System and controller."""
@@ -159,6 +161,7 @@ class Carrier:
         home = [float(v) for v in self._home]
         return {
             "system": {"kind": "pmc", "nominal": blocks["nominal"], "home": home},
+            "sample_time_s": self.layout.dt,
             "controller": blocks["controller"],
         }
 

@@ -35,7 +35,7 @@ class Recorder:
             self._logset = output_folder(self.folder / f"measurement{self._next()}")
         path = self._logset / f"run{len(self._runs) + 1}.csv"
         columns = machine.columns()
-        write_whole(path, _csv(list(columns), rows, machine.layout.dt))
+        write_whole(path, _csv(list(columns), rows))
         self._runs.append({"file": path.name, **trajectory.keys, "use": use})
         write_whole(self._logset / "logset.yaml", self._text(machine, columns))
         return path
@@ -59,17 +59,15 @@ class Recorder:
             "name": self._logset.name,
             "source": f"gapscope rig, {machine.layout.kind}",
             **self._document,
-            "sample_time_s": machine.layout.dt,
             "columns": dict(columns),
             "runs": self._runs,
         }
         return yaml.safe_dump(content, sort_keys=False)
 
 
-def _csv(names: Sequence[str], rows: Sequence[Sequence[float]], dt: float) -> str:
+def _csv(names: Sequence[str], rows: Sequence[Sequence[float]]) -> str:
     text = io.StringIO()
     table = np.asarray(rows, dtype=float)
-    table = np.column_stack([dt * np.arange(len(table)), table])
     np.savetxt(text, table, delimiter=",", header=",".join(names), comments="",
                fmt=["%.6f"] + ["%.10g"] * (table.shape[1] - 1))  # fmt: skip
     return text.getvalue()

@@ -58,6 +58,8 @@ class RigServer(ThreadingHTTPServer):
             ],
             "motors": list(layout.motors),
             "effort": layout.effort,
+            "rate": layout.rate,
+            "tables": layout.tables,
             "programs": list(self.rig.machine.programs),
             "transitions": {
                 str(s): {str(e): str(t) for e, t in row.items()} for s, row in TRANSITIONS.items()

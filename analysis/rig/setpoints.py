@@ -1,9 +1,12 @@
-"""Setpoints between trajectories: jog with bounded acceleration, and moves from rest to rest."""
+"""Setpoints: jog with bounded acceleration, moves from rest to rest, and motions out and back."""
+
+from collections.abc import Mapping
 
 import numpy as np
 
 from ...models.motion import polynomial_4567
-from .machine import Floats
+from ..errors import InputError
+from .machine import Floats, Trajectory
 
 # Largest s' and s'' of the 4-5-6-7 polynomial.
 STEEPEST = 35.0 / 16.0
@@ -52,3 +55,29 @@ def rest_to_rest(
     s, _, second = polynomial_4567(tau)
     time = samples * dt
     return start + np.multiply.outer(s, way), np.multiply.outer(second / time**2, way)
+
+
+def out_and_back(
+    name: str, programs: Mapping[str, Floats], rate: float, cycles: int, dt: float
+) -> Trajectory:
+    """``cycles`` of a program, by its amplitudes (motors,) [unit], out and back by the 4-5-6-7 polynomial.
+
+    InputError for an unknown program or impossible numbers.
+    """
+    if name not in programs:
+        raise InputError("trajectory", f"unknown motion {name!r}", f"one of {', '.join(programs)}")
+    if not 0.0 < rate <= 0.05 / dt:
+        raise InputError(
+            "trajectory", f"rate is {rate} Hz", f"above 0 and at most {0.05 / dt:g} Hz"
+        )
+    if not 1 <= cycles <= 100:
+        raise InputError("trajectory", f"cycles is {cycles}", "1 to 100")
+    half = 0.5 / rate
+    phase = np.mod(dt * np.arange(round(cycles / (rate * dt))), 2.0 * half)
+    s, _, second = polynomial_4567(np.minimum(phase, 2.0 * half - phase) / half)
+    return Trajectory(
+        name=f"{name} {rate:g} Hz",
+        position=np.multiply.outer(s, programs[name]),
+        acceleration=np.multiply.outer(second / half**2, programs[name]),
+        keys={"rate_Hz": rate},
+    )

@@ -82,14 +82,17 @@ class Slider(DriveMachine):
         """As in every log set of a slider."""
         return {"t": "s", "q_ref": "m", "q": "m", "force": "N"}
 
-    def row(self, reference: Floats, reading: Floats, command: Floats) -> Sequence[float]:
-        """Reference, reading, force."""
-        return [*reference, *reading, *command]
+    def row(
+        self, time: float, reference: Floats, reading: Floats, command: Floats
+    ) -> Sequence[float]:
+        """Time, reference, reading, force."""
+        return [time, *reference, *reading, *command]
 
     def document(self) -> dict[str, Any]:
         """System and controller."""
         return {
             "system": {"kind": "slider", "nominal": dict(self._nominal)},
+            "sample_time_s": self.layout.dt,
             "controller": dict(self._controller),
         }
 

@@ -25,10 +25,12 @@ def load(machine: RigMachine, data: Mapping[str, Any]) -> Trajectory:
         raise InputError(
             "trajectory", f"unknown key {unknown[0]!r}", f"one of {', '.join(sorted(KEYS))}"
         )
+    if "csv" in data and not machine.layout.tables:
+        raise InputError("trajectory", "a table", f"a motion: {', '.join(machine.programs)}")
     if "csv" in data:
         found = _from_table(machine, str(data["csv"]))
     else:
-        rate, cycles = data.get("rate_Hz", 1.0), data.get("cycles", 3)
+        rate, cycles = data.get("rate_Hz", machine.layout.rate), data.get("cycles", 3)
         for name, value, kind in (("rate_Hz", rate, int | float), ("cycles", cycles, int)):
             if isinstance(value, bool) or not isinstance(value, kind):
                 raise InputError("trajectory", f"{name} is {value!r}", "a number")

@@ -163,12 +163,15 @@ def _law(logset: LogSet) -> Balancer | None:
     """The stated control law; None where the log set states none, InputError if it is unreadable."""
     settings = next(iter(logset.controllers.values()))
     text = settings.get("law")
-    if text is None:
-        return None
+    return None if text is None else read_law(f"{logset.folder / FILE}, controller.law", text)
+
+
+def read_law(where: str, text: object) -> Balancer:
+    """The law that a text states; InputError if it is unreadable."""
     found = LAW.search(re.sub(r"\s+", "", str(text)))
     if found is None:
         raise InputError(
-            f"{logset.folder / FILE}, controller.law", f"{text!r}",
+            where, f"{text!r}",
             "u_fb=-(KP*e_t+KD*D(e_t))-(KP*e_a+KD*D(e_a)), D=N s/(s+N), u=clip(u_fb+u_ff,-L,L)",
         )  # fmt: skip
     g = {name: float(value) for name, value in found.groupdict().items()}

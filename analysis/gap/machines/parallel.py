@@ -1,4 +1,4 @@
-"""Nominal models of closed chains (``system.kind: five_bar``, ``two_prr``, ``mast``, ``three_prs``) and their logs.
+"""Nominal models of closed chains (``five_bar``, ``replalink``, ``two_prr``, ``mast``, ``three_prs``) and their logs.
 
 Columns of joint i: ``q{i}_ref`` and ``q{i}`` (rad, or m on a guide), and the motor's ``current{i}`` in A.
 """
@@ -20,6 +20,7 @@ from ....models.parallel.machine import (
 )
 from ....models.parallel.mast import MAST
 from ....models.parallel.prs import Table
+from ....models.parallel.replalink import REPLALINK
 from ....models.parallel.three_prs import FLEXURES, THREE_PRS, Flexures
 from ....models.parallel.two_prr import TwoPRR
 from ...errors import InputError
@@ -46,7 +47,15 @@ class Kind:
 
 
 def _five_bar(nominal: Settings) -> ParallelMachine:
-    d = FiveBar()
+    return _linkage(nominal, FiveBar())
+
+
+def _replalink(nominal: Settings) -> ParallelMachine:
+    # Its printed rotors are those of the axes here, which have them from ``rotor_inertia_kg_m2``.
+    return _linkage(nominal, replace(REPLALINK, rotors=(0.0, 0.0)))
+
+
+def _linkage(nominal: Settings, d: FiveBar) -> ParallelMachine:
     masses: Any = tuple(
         nominal.number(f"mass{i}_kg", default) for i, default in enumerate(d.masses, start=1)
     )
@@ -108,16 +117,14 @@ def _table(nominal: Settings, table: Table) -> Table:
     )
 
 
+LINKAGE_KEYS = frozenset(
+    {"base_m", "crank1_m", "rod2_m", "rod3_m", "crank4_m", "tool_m"}
+    | {f"mass{i}_kg" for i in range(1, 6)}
+)
 TABLE_KEYS = frozenset({"platform_mass_kg", "bar_mass_kg", "carriage_mass_kg"})
 KINDS = {
-    "five_bar": Kind(
-        unit="rad",
-        keys=frozenset(
-            {"base_m", "crank1_m", "rod2_m", "rod3_m", "crank4_m", "tool_m"}
-            | {f"mass{i}_kg" for i in range(1, 6)}
-        ),
-        build=_five_bar,
-    ),
+    "five_bar": Kind(unit="rad", keys=LINKAGE_KEYS, build=_five_bar),
+    "replalink": Kind(unit="rad", keys=LINKAGE_KEYS, build=_replalink),
     "two_prr": Kind(
         unit="m",
         keys=frozenset(

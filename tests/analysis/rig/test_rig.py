@@ -94,23 +94,24 @@ def test_a_switch_stops_a_trajectory(bench):
     assert not b.rig.recorder.summary()["runs"]
 
 
-@pytest.mark.parametrize("kind", ["c-drive", "slider", "pmc"])
+@pytest.mark.parametrize("kind", ["c-drive", "slider", "pmc", "5r", "mm3a", "furuta", "arm"])
 def test_quick_stop_brings_every_machine_to_rest_fast_and_keeps_no_run(bench, kind):
     b = bench(kind)
     b.home()
     b.ask("control")
-    b.ask("load", name=b.rig.machine.programs[0], rate_Hz=0.5, cycles=2)
+    layout = b.rig.machine.layout
+    rate = 0.5 * layout.rate
+    b.ask("load", name=b.rig.machine.programs[0], rate_Hz=rate, cycles=2)
     b.ask("start")
     while not b.rig._rows:
         b.tick(1)
-    b.tick(400)
+    b.tick(round(0.2 / (rate * layout.dt)))  # somewhere on the way out
     b.ask("quick_stop")
     assert b.rig.state is State.STOP
     speed = np.abs(b.rig._ramp.speed)
     assert speed.max() > 0.0
     samples = b.rig.samples
     b.until_standing()
-    layout = b.rig.machine.layout
     braking = max(v / (4.0 * axis.acceleration) for v, axis in zip(speed, layout.axes))
     assert b.rig.samples - samples <= braking / layout.dt + 3
     stood = b.rig.machine.true_axes()
