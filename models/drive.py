@@ -5,9 +5,9 @@ r"""An n-shaft electromechanical drive with constant inertia: the law behind C-d
 1. :math:`q` (n,) shaft positions, :math:`\tau` (n,) torques that reach the shafts;
 2. :math:`E` (m, n) maps shaft speeds to the speeds of the m friction elements (a shaft's own
    bearing, or the nut between two shafts), :math:`f` (m,) their friction, ``friction.py``;
-3. :math:`h(q) = b + r_c \cos(kq) + r_s \sin(kq)` (n,): bias load and torque ripple;
+3. :math:`h(q) = b + r_c \cos(kq) + r_s \sin(kq)` (n,): bias load and torque ripple of the motor;
 4. from command :math:`u` to torque: delay, gain, limit, lag of first or second order, in this order, and
-   load-dependent friction proportional to the magnitude of the drive torque.
+   load-dependent friction proportional to the magnitude of the drive torque, its ripple included.
 
 5. a coupling between two shafts: :math:`k \,\mathrm{dz}(\Delta q, g/2) + c \Delta\dot q` in contact,
    dz the dead zone of the clearance g.
@@ -127,16 +127,16 @@ def net_torque(q: Any, v: Any, held: Any, torque: Any, t: Any, drive: Drive, out
     """Torques ``out`` (n,) that are left to accelerate the shafts, without couplings: eqs. (2)-(4)."""
     m, n = drive.elements.shape
     for j in range(n):
-        out[j] = torque[j] - load(
+        driving = torque[j] - ripple(
             q[j],
-            drive.shaft[j, BIAS],
             drive.shaft[j, RIPPLE_COS],
             drive.shaft[j, RIPPLE_SIN],
             drive.shaft[j, RIPPLE_WAVENUMBER],
         )
+        out[j] = driving - drive.shaft[j, BIAS]
         if drive.shaft[j, LOAD_FRICTION] != 0.0:
             step = friction.smooth_sign(v[j], drive.shaft[j, LOAD_WIDTH])
-            out[j] -= drive.shaft[j, LOAD_FRICTION] * np.abs(torque[j]) * step
+            out[j] -= drive.shaft[j, LOAD_FRICTION] * np.abs(driving) * step
     for i in range(m):
         speed = drive.elements[i, 0] * v[0]
         for j in range(1, n):
@@ -164,11 +164,11 @@ def net_torque(q: Any, v: Any, held: Any, torque: Any, t: Any, drive: Drive, out
             out[j] -= drive.elements[i, j] * force
 
 
-def load(q: Any, bias: Any, ripple_cos: Any, ripple_sin: Any, wavenumber: Any) -> Any:
-    """Load h(q) of eq. (3) on one shaft."""
-    if ripple_cos == 0.0 and ripple_sin == 0.0:
-        return bias
-    return bias + ripple_cos * np.cos(wavenumber * q) + ripple_sin * np.sin(wavenumber * q)
+def ripple(q: Any, cos: Any, sin: Any, wavenumber: Any) -> Any:
+    """What the motor's torque lacks at position ``q``, the ripple of eq. (3)."""
+    if cos == 0.0 and sin == 0.0:
+        return 0.0
+    return cos * np.cos(wavenumber * q) + sin * np.sin(wavenumber * q)
 
 
 def coupling_force(

@@ -134,16 +134,17 @@ def simulate(
     position: Any,
     command: Any,
     delivered: Any,
+    first_sensed: int = 0,
 ) -> None:
     """Closed loop from rest at ``position[0]``: writes position, command, delivered (samples, n).
 
     ``lsb`` is the encoder's step, 0 for an exact one; ``position`` is what the encoder reads.
-    ``delivered[k]`` is the mean torque at the shafts during sample ``k``. The encoders sit on the
-    first n shafts of the plant; a flexible plant has more.
+    ``delivered[k]`` is the mean torque at the shafts during sample ``k``. The motors drive the first n shafts of
+    the plant; a flexible plant has more. The encoders sit on n shafts from ``first_sensed`` on.
     """
     _simulate(
         reference, reference_acceleration, plant, drive_stack.sizes(plant), stack.axis(reference.shape[1]), controller, dt,
-        substeps, lsb, memory, position, command, delivered,
+        substeps, lsb, memory, position, command, delivered, first_sensed,
     )  # fmt: skip
 
 
@@ -162,6 +163,7 @@ def _simulate(
     position: Any,
     command: Any,
     delivered: Any,
+    first_sensed: int,
 ) -> None:
     n, shafts = len(sensors), len(sizes.shafts)
     samples = position.shape[0]
@@ -175,7 +177,7 @@ def _simulate(
         q[j] = position[0, j % n]
     for k in range(samples):
         for j in range(n):
-            position[k, j] = encoder.read(q[j], lsb)
+            position[k, j] = encoder.read(q[first_sensed + j], lsb)
         control_step(
             k, reference, reference_acceleration, position, controller, dt, memory, command
         )
@@ -192,17 +194,21 @@ def predict(
     substeps: int,
     bandwidth: float,
     residual: Any,
+    first_sensed: int = 0,
 ) -> None:
     """One-sample-ahead prediction errors ``residual`` (samples, n) of the measured position.
 
     The model is driven by the logged command and corrected by its own error with a double pole at
     ``bandwidth`` [rad/s], a fixed-gain (alpha-beta) observer. Errors of a right model are as white as
     the encoder's noise, whatever the controller; low frequencies weigh more at a low bandwidth.
-    Driven shafts without an encoder are corrected with the shaft that drives them.
+    The encoders sit on n shafts from ``first_sensed`` on. A shaft without an encoder is corrected with the one
+    at the other end of its transmission.
     """
     sensors = stack.axis(position.shape[1])
     sizes = drive_stack.sizes(plant)
-    _predict(position, command, plant, sizes, sensors, dt, substeps, bandwidth, residual)
+    _predict(
+        position, command, plant, sizes, sensors, dt, substeps, bandwidth, residual, first_sensed
+    )
 
 
 @compilation.kernel
@@ -216,6 +222,7 @@ def _predict(
     substeps: int,
     bandwidth: float,
     residual: Any,
+    first_sensed: int,
 ) -> None:
     samples, n, shafts = position.shape[0], len(sensors), len(sizes.shafts)
     alpha, beta = correction_gains(bandwidth, dt)
@@ -225,7 +232,7 @@ def _predict(
         q[j] = position[0, j % n]
     for k in range(samples):
         for j in range(n):
-            residual[k, j] = position[k, j] - q[j]
+            residual[k, j] = position[k, j] - q[first_sensed + j]
         for j in range(shafts):
             q[j] += alpha * residual[k, j % n]
             v[j] += beta * residual[k, j % n]

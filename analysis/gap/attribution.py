@@ -49,15 +49,22 @@ def attribute(
     fits = [retuned, *singles]
     parents = _beam([f for f in sorted(singles, key=lambda f: f.score) if _better(f, retuned)])
     best = parents[0] if parents else retuned
+    reserve: list[Fit] = []
     if best.held_out_rms > FAR * floor:
         parents += [f for f in _other_forms(tried, parents) if _better(f, retuned)]
+        reserve = [f for f in _beam(sorted(singles, key=lambda f: f.rms)) if f not in parents]
     while parents:
         # Impacts do not repeat: they raise the floor that they are measured by.
         if best.held_out_rms < NEAR_FLOOR * floor and not best.hypothesis.rough:
             break
         children = _grown(predictor, parents, plain, fits, progress)
+        if reserve and (not children or children[0].held_out_rms > FAR * floor):
+            children += _grown(predictor, reserve, plain, [*fits, *children], progress)
+            children.sort(key=lambda f: f.score)
+        reserve = []
         if best.hypothesis.rough and len(best.hypothesis.forms) == 1:
             children += _beside_impacts(predictor, retuned, best, plain, progress)
+            children += _add_each(predictor, best, [f for f in plain if not f.shifts], progress)
             children.sort(key=lambda f: f.score)
         if not children:
             break
@@ -73,6 +80,9 @@ def attribute(
         parents = [best] + [
             f for f in smaller if f is not best and frozenset(f.hypothesis.ids) not in before
         ]
+    elsewise = _in_other_forms(predictor, best, plain, progress)
+    fits += elsewise
+    best = min([best, *elsewise], key=lambda f: f.score)
     if best.hypothesis.rough:
         fits += _with_other_shifts(predictor, best, plain, progress)
     fits += _richer(predictor, retuned, fits, best, refined, floor, progress)
@@ -219,6 +229,35 @@ def _with_other_shifts(
             hypothesis = best.hypothesis.without(mine.effect).with_form(other)
             swapped.append(fit(predictor, hypothesis, start, screen=-np.inf))
     return swapped
+
+
+def _in_other_forms(
+    predictor: Predictor, best: Fit, forms: Sequence[Form], progress: Progress
+) -> list[Fit]:
+    """The best of several effects with one of them in another form, or as a plainer effect that it contains.
+
+    Its forms were chosen one by one, each before the next effect was there.
+    """
+    hypothesis = best.hypothesis
+    if len(hypothesis.forms) < 2 or hypothesis.rough:
+        return []
+    found = []
+    for mine in hypothesis.forms:
+        for other in forms:
+            same = other.effect == mine.effect or other.effect in mine.contains
+            if not same or other.name == mine.name or other.effect in _others(hypothesis, mine):
+                continue
+            progress(f"{other.effect}, {other.name} in place of {mine.effect}, {mine.name}")
+            swapped = hypothesis.without(mine.effect).with_form(other)
+            names = {(mine.effect, p.name): (other.effect, p.name) for p in other.parameters}
+            start = replace(best, keys=tuple(names.get(key, key) for key in best.keys))
+            found.append(pruned(predictor, fit(predictor, swapped, start, screen=-np.inf)))
+    return found
+
+
+def _others(hypothesis: Hypothesis, form: Form) -> set[str]:
+    """Effects of the hypothesis but that of one form."""
+    return set(hypothesis.ids) - {form.effect}
 
 
 def _without_each(predictor: Predictor, full: Fit) -> list[Fit]:

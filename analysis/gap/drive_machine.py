@@ -31,12 +31,13 @@ class DrivePlant:
     substeps: int = 1
     time: float = 0.0  # how long the machine has been running [s]
     sensor_scale: Array | None = None  # (n,) reading per true position, None for exact encoders
+    first_sensed: int = 0  # number of the first of the n shafts whose encoders are read
 
     def finished(self) -> "FinishedPlant":
         """The plant as the kernels need it."""
         inverse = np.ascontiguousarray(np.linalg.inv(self.inertia))
         drive = self.drive._replace(inertia_inverse=inverse)
-        return FinishedPlant(drive, self.substeps, self.sensor_scale)
+        return FinishedPlant(drive, self.substeps, self.sensor_scale, self.first_sensed)
 
 
 class FinishedPlant(NamedTuple):
@@ -45,6 +46,7 @@ class FinishedPlant(NamedTuple):
     drive: Drive
     substeps: int  # integration steps per sample
     sensor_scale: Array | None
+    first_sensed: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,6 +76,7 @@ class DriveMachine(Machine):
     motor_share: float  # share of the smallest inertia that sits on the motor's side
     bandwidth: float  # of the prediction's correction [rad/s]
     plant: Callable[[Mapping[str, float]], DrivePlant]
+    load_encoders: bool = False  # whether the encoders may sit behind the transmission
 
     def build(self, values: Mapping[str, float]) -> DrivePlant:
         """A fresh plant at the own parameters' values."""
@@ -91,6 +94,7 @@ class DriveMachine(Machine):
             plant.substeps,
             self.bandwidth,
             residual,
+            plant.first_sensed,
         )
         return np.asarray((residual * scale)[run.window])
 
@@ -164,6 +168,7 @@ class DriveMachine(Machine):
             position,
             command,
             delivered,
+            plant.first_sensed,
         )
         return position, command
 

@@ -21,6 +21,8 @@ FIRST_STEPS = 4  # of a search that is only taken further where it leads somewhe
 BLOCKS = 30  # blocks of a run whose losses are resampled together
 FEW_RUNS = 2  # up to this many are held out by stretches of time, not whole
 FOLDS = 4  # stretches of such a run
+PARTS_OF_STEP = 1.0, 0.5, 0.25, 0.125, 0.0  # of a Gauss-Newton step without a piece
+DOUBTFUL = 1.1  # ratio of the loss of a held-out piece to that of the same piece fitted
 
 
 def fit(
@@ -83,7 +85,8 @@ def _held_out(
     """Residuals of every piece at parameters that did not see it.
 
     The parameters without a piece are one Gauss-Newton step from the full solution, the piece is then
-    predicted in full. A piece is a run, or a stretch of time where runs are few: one of two runs may be the
+    predicted in full. A step that predicts it much worse is shortened until it helps the others, as a step that
+    fits them does. A piece is a run, or a stretch of time where runs are few: one of two runs may be the
     only one that shows a parameter.
     """
     if x.size == 0:
@@ -109,9 +112,22 @@ def _held_out(
         J = jac[rows][:, active]
         step = np.zeros(x.size)
         step[active] = -np.linalg.solve(hessian - J.T @ J + ridge, gradient - J.T @ residual[rows])
-        point = np.clip(x + step, problem.lower, problem.upper)
-        held_out[run][piece] = problem.runs([point], [problem.predictor.runs[run]])[0][0][piece]
+        for part in PARTS_OF_STEP:
+            point = np.clip(x + part * step, problem.lower, problem.upper)
+            there = problem.runs([point], [problem.predictor.runs[run]])[0][0][piece]
+            held_out[run][piece] = there
+            if np.sum(there**2) < DOUBTFUL * np.sum(final[run][piece] ** 2):
+                break
+            if _loss_without(problem.runs([point])[0], run, piece) <= _loss_without(
+                final, run, piece
+            ):
+                break
     return held_out
+
+
+def _loss_without(residuals: Sequence[Array], run: int, piece: slice) -> float:
+    """Squared residuals of all but one piece of a run."""
+    return float(sum(np.sum(r**2) for r in residuals) - np.sum(residuals[run][piece] ** 2))
 
 
 def _information(problem: Problem, jac: Array, residual: Array, x: Array) -> tuple[Array, Array]:

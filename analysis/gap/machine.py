@@ -30,6 +30,7 @@ class Parameter:
     upper: float
     scale: float  # typical size, sets finite-difference steps and trust regions
     starts: tuple[float, ...]
+    seconds: tuple[float, ...] = ()  # tried in place of the starts, from the best of all starts
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,6 +13,7 @@ from .hypothesis import Fit, price, price_of
 from .machine import Array
 
 RESAMPLES = 1000
+LATE_TWIN = 0.03  # scores of a delay and a lag this close are not told apart
 TWIN = 0.002  # scores closer than this share of the residual separate nothing: nuisance exceeds it
 
 
@@ -45,8 +46,7 @@ def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
     rng = np.random.default_rng(seed)
     draws = rng.integers(0, samples.size, (RESAMPLES, samples.size))
     logs = _log_rms(losses, samples, draws)
-    groups = _late_twins(chosen)
-    wins = _shared_wins(_best_of_twins(logs + prices[:, None], groups))
+    wins = _shared_wins(_best_of_twins(logs + prices[:, None], _late_groups(chosen), chosen))
     reference = _log_rms(retuned.losses[None], samples, draws)[0]
     ranked = []
     for i, candidate in enumerate(chosen):
@@ -98,27 +98,29 @@ def _fair_price(candidate: Fit, fits: Sequence[Fit]) -> float:
     return price(mine) - saved
 
 
-def _late_twins(fits: Sequence[Fit]) -> list[frozenset[str]]:
-    """For every hypothesis what it has in common with its twins.
-
-    Beside impacts the search for a delay and that for a lag end in different optima: which is better
-    is chance.
-    """
+def _late_groups(fits: Sequence[Fit]) -> list[frozenset[str]]:
+    """For every hypothesis its effects, with delay and lag called by one name."""
     return [
-        frozenset(
-            "late" if form.shifts and f.hypothesis.rough else form.effect
-            for form in f.hypothesis.forms
-        )
+        frozenset("late" if form.shifts else form.effect for form in f.hypothesis.forms)
         for f in fits
     ]
 
 
-def _best_of_twins(scores: Array, groups: Sequence[frozenset[str]]) -> Array:
-    """Scores (hypotheses, draws) with those of twins replaced by those of the best among them."""
+def _best_of_twins(scores: Array, groups: Sequence[frozenset[str]], fits: Sequence[Fit]) -> Array:
+    """Scores (hypotheses, draws) with those of twins replaced by those of the best among them.
+
+    A delay and a lag are twins where either would do: within ``LATE_TWIN``, and beside impacts always, where the
+    searches for the two end in different optima and which is better is chance.
+    """
     shared = scores.copy()
+    means = scores.mean(axis=1)
     for i, group in enumerate(groups):
-        twins = [j for j, other in enumerate(groups) if other == group]
-        shared[i] = scores[min(twins, key=lambda j: float(scores[j].mean()))]
+        twins = [
+            j
+            for j, other in enumerate(groups)
+            if other == group and (fits[i].hypothesis.rough or abs(means[j] - means[i]) < LATE_TWIN)
+        ]
+        shared[i] = scores[min(twins, key=lambda j: float(means[j]))]
     return shared
 
 

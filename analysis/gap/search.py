@@ -1,5 +1,6 @@
 """Searches for the best parameters of a hypothesis: by derivatives, and without where there are impacts."""
 
+from collections.abc import Collection, Sequence
 from itertools import product
 
 import numpy as np
@@ -12,7 +13,9 @@ from .prediction import Problem, flatten
 
 ENOUGH = 1e-4  # relative fall of the loss that ends a search; decisions are 40 times coarser
 ROUGH_STEPS = 60, 120  # predictions of all runs in a search without derivatives: effects, then all
+FEW = 9  # best starting points from which second values are tried
 MOST_ROUNDS = 2  # of both searches
+LINE = 1.0, 0.5, 0.2  # parts of a linear step that are tried beside impacts
 ROUND = 0.02  # relative fall of the loss that is worth another round
 
 
@@ -51,10 +54,12 @@ def _search_impacts(
 
     The best of all combinations of starting values is improved by simplex searches, of the effects'
     parameters and then of all. Where it lowers the parent's loss by less than the share ``screen``, no
-    search is made.
+    search is made. What is new beside a parent's impacts starts from where a linear step leads.
     """
     x = _starts(problem, parent, together=True)[0]
     cost = float(np.sum(problem.flat(x) ** 2))
+    if parent is not None and parent.hypothesis.rough:
+        x, cost = _linear_start(problem, parent, x, cost)
     if parent is not None and cost > (1.0 - screen) * float(np.sum(parent.residual**2)):
         return x, np.zeros((parent.residual.size, x.size)), False, True
     everything = np.ones(x.size, dtype=bool)
@@ -65,6 +70,22 @@ def _search_impacts(
         if cost > (1.0 - ROUND) * before:
             break
     return x, problem.jacobian(x), True, True
+
+
+def _linear_start(problem: Problem, parent: Fit, x: Array, cost: float) -> tuple[Array, float]:
+    """Point and loss after the best part of a linear step in the parameters that the parent has not."""
+    new = [i for i, key in enumerate(problem.keys) if key not in parent.keys]
+    if not new:
+        return x, cost
+    residual = problem.flat(x)
+    bounds = problem.lower[new], problem.upper[new]
+    step = np.zeros(x.size)
+    step[new] = linear_step(problem.columns(x, residual, new), residual, x[new], bounds)
+    found = [(x, cost)]
+    for part in LINE:
+        there = x + part * step
+        found.append((there, float(np.sum(problem.flat(there) ** 2))))
+    return min(found, key=lambda point: point[1])
 
 
 def _least_squares(
@@ -157,6 +178,30 @@ def _starts(problem: Problem, warm: Fit | None, together: bool = False) -> list[
     candidates = [np.clip(c, problem.lower, problem.upper) for c in candidates]
     if len(candidates) == 1:
         return candidates
-    costs = np.array([np.sum(flatten(r) ** 2) for r in problem.runs(candidates)])
+    costs = _costs(problem, candidates)
     order = np.argsort(costs)
+    if together:
+        return [
+            _with_seconds(problem, [candidates[i] for i in order[:FEW]], costs[order[0]], known)
+        ]
     return [candidates[i] for i in (order[:2] if costs[order[0]] < costs[0] else order[:1])]
+
+
+def _with_seconds(
+    problem: Problem, best: Sequence[Array], least: float, known: Collection[tuple[str, str]]
+) -> Array:
+    """The best of some starting points, best first, and of those with a second value for a parameter."""
+    points = [best[0]]
+    for start in best:
+        for i, (key, p) in enumerate(zip(problem.keys, problem.parameters)):
+            for value in () if key in known else p.seconds:
+                other = start.copy()
+                other[i] = value / problem.scale[i]
+                points.append(other)
+    costs = [least, *_costs(problem, points[1:])]
+    return points[int(np.argmin(costs))]
+
+
+def _costs(problem: Problem, points: Sequence[Array]) -> Array:
+    """Losses at some points."""
+    return np.array([np.sum(flatten(r) ** 2) for r in problem.runs(points)])

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 from ....models.drive import LAG, STAGES
 from .base import (
-    RARE,
     Effect,
     Form,
     Scales,
@@ -30,7 +29,6 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
             apply=_lag(stages),
             where=everywhere("joints", machine.joints),
             shifts=True,
-            price=RARE if stages > 1 else 0.0,  # two equal stages come close to a delay
         )
         for stages, name in enumerate(("first order", "second order"), 1)
     ]

@@ -138,6 +138,7 @@ def parameter(
     lower: float = -np.inf,
     upper: float = np.inf,
     starts: Sequence[float] | None = None,
+    seconds: Sequence[float] = (),
 ) -> Parameter:
     """A parameter that starts from zero, no effect, unless told otherwise."""
     return Parameter(
@@ -147,6 +148,7 @@ def parameter(
         upper=upper,
         scale=scale,
         starts=tuple(starts) if starts is not None else (0.0,),
+        seconds=tuple(seconds),
     )
 
 

@@ -31,6 +31,8 @@ from .dry_friction import (
 
 # A fitted law that falls by less than this share of its level only rounds the corner of dry friction.
 LEAST_FALL = 0.05
+# So does one that has fallen at speeds below this multiple of the least that the search allows.
+RESOLVED = 1.05
 
 
 def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
@@ -76,9 +78,12 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
             refined=shape.name == "travel",
         )
         rounded = _corner_of_its_own(falling)
-        return replace(
-            falling, amounts_to=lambda values: None if falls(values) > LEAST_FALL else rounded
-        )
+
+        def amounts_to(values: Values) -> Form | None:
+            resolved = values["stribeck_speed"] > RESOLVED * speed.lower
+            return None if resolved and falls(values) > LEAST_FALL else rounded
+
+        return replace(falling, amounts_to=amounts_to)
 
     width, travel = width_parameter(machine, scales), travel_parameter(machine, scales)
     return [

@@ -4,11 +4,14 @@ import numpy as np
 
 from ..drive_machine import DriveMachine, DrivePlant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
-from .two_inertia import CONTACT, FAMILY, motor_share_parameter, split
+from .two_inertia import CONTACT, FAMILY, ON_LOAD, motor_share_parameter, split
 
 
 def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
-    """The same clearance at every shaft or at one of them; contact is stiff and dissipates."""
+    """The same clearance at every shaft or at one of them; contact is stiff and dissipates.
+
+    Where the encoders may sit behind it, at every shaft that way, too.
+    """
     unit = 5e-4 * scales.travel
     gap = parameter(
         "gap",
@@ -23,7 +26,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     friction = parameter("load_friction", "-", 0.3, lower=0.0, upper=1.0, starts=(0.0, 1.0))
     stiffness = CONTACT * scales.effort_peak / scales.travel
 
-    def form(name: str, loose: tuple[str, ...]) -> Form:
+    def form(name: str, loose: tuple[str, ...], load_encoders: bool = False) -> Form:
         here = np.array([float(s in loose) for s in machine.joints])
 
         def apply(plant: DrivePlant, values: Values) -> None:
@@ -36,6 +39,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
                 gap=values["gap"] * here,
                 dt=scales.dt,
                 load_friction=values["load_friction"],
+                load_encoders=load_encoders,
             )
 
         return Form(
@@ -50,7 +54,10 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
         )
 
     name, single = "dead zone, stiff contact", machine.joints if len(machine.joints) > 1 else ()
-    return [form(name, machine.joints), *(form(f"{name}, {s} only", (s,)) for s in single)]
+    found = [form(name, machine.joints), *(form(f"{name}, {s} only", (s,)) for s in single)]
+    if machine.load_encoders:
+        found.append(form(name + ON_LOAD, machine.joints, load_encoders=True))
+    return found
 
 
 EFFECT = Effect(

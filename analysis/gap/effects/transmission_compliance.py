@@ -2,11 +2,11 @@
 
 from ..drive_machine import DriveMachine, DrivePlant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
-from .two_inertia import CONTACT, FAMILY, motor_share_parameter, split
+from .two_inertia import CONTACT, FAMILY, ON_LOAD, motor_share_parameter, split
 
 
 def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
-    """The same flexibility at every shaft, with the motor's share of the inertia."""
+    """The same flexibility at every shaft, with the motor's share of the inertia; encoders before it or behind it."""
     stiffest = scales.travel / (CONTACT * scales.effort_peak)
     compliance = parameter(
         "compliance",
@@ -19,27 +19,32 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     share = motor_share_parameter(machine)
     damping = parameter("damping_ratio", "-", 0.1, lower=0.0, upper=1.0, starts=(0.05, 0.3))
 
-    def apply(plant: DrivePlant, values: Values) -> None:
-        split(
-            plant,
-            machine,
-            share=values["motor_share"],
-            stiffness=1.0 / values["compliance"],
-            damping_ratio=values["damping_ratio"],
-            gap=0.0,
-            dt=scales.dt,
-        )
+    def form(name: str, load_encoders: bool) -> Form:
+        def apply(plant: DrivePlant, values: Values) -> None:
+            split(
+                plant,
+                machine,
+                share=values["motor_share"],
+                stiffness=1.0 / values["compliance"],
+                damping_ratio=values["damping_ratio"],
+                gap=0.0,
+                dt=scales.dt,
+                load_encoders=load_encoders,
+            )
 
-    return [
-        Form(
+        return Form(
             effect=EFFECT.id,
-            name="two inertias",
+            name=name,
             parameters=(compliance, share, damping),
             apply=apply,
             where=everywhere("joints", machine.joints),
             family=FAMILY,
         )
-    ]
+
+    found = [form("two inertias", False)]
+    if machine.load_encoders:
+        found.append(form("two inertias" + ON_LOAD, True))
+    return found
 
 
 EFFECT = Effect(

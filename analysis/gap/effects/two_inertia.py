@@ -26,14 +26,21 @@ from ..machine import Array, Parameter
 from .base import parameter
 
 FAMILY = "two inertias"
+ON_LOAD = ", encoder on the load"  # in the name of a form
 CONTACT = 3e4  # contact stiffness: the peak effort deflects it by 1/CONTACT of the travel
 FORCES = [VISCOUS, VISCOUS_SKEW, FORWARD, BACKWARD, BREAKAWAY, STIFFNESS]  # scale with the friction
+MOST_SHARE = 0.97
+OTHER_SHARES = 0.75, 0.88, 1.12  # of the machine's own estimate, which is rarely printed
 STEPS_PER_RADIAN = 1.2  # Runge-Kutta steps per radian of the fastest coupling mode
 
 
 def motor_share_parameter(machine: DriveMachine) -> Parameter:
     """Share of the smallest inertia on the motors' side, from the machine's own estimate."""
-    return parameter("motor_share", "-", 0.3, lower=0.05, upper=0.97, starts=(machine.motor_share,))
+    own = machine.motor_share
+    others = [part * own for part in OTHER_SHARES if part * own < MOST_SHARE]
+    return parameter(
+        "motor_share", "-", 0.3, lower=0.05, upper=MOST_SHARE, starts=(own,), seconds=others
+    )
 
 
 def split(
@@ -46,9 +53,11 @@ def split(
     gap: float | Array,
     dt: float,
     load_friction: float = 0.0,
+    load_encoders: bool = False,
 ) -> None:
     """Put ``share`` of the smallest inertia on the motors' side of a coupling at every shaft.
 
+    The encoders stay with the motors unless ``load_encoders``.
     ``gap`` is one clearance for all or one for each. Bearings stay with the motors; ``load_friction``
     is the share [-] of the friction of the other elements, or of all where there are bearings only,
     that moves to the load.
@@ -73,6 +82,7 @@ def split(
     coupling[:, COUPLING_DAMPING] = 2.0 * damping_ratio * stiffness / fastest
     coupling[:, GAP] = gap
     plant.drive = d._replace(elements=elements, element=element, shaft=shaft, coupling=coupling)
+    plant.first_sensed = n if load_encoders else 0
     plant.substeps = max(plant.substeps, int(np.ceil(fastest * dt * STEPS_PER_RADIAN)))
 
 

@@ -72,6 +72,7 @@ def slider_machine(mass: float, viscous: float, relative: float) -> DriveMachine
         motor_share=0.5,
         bandwidth=100.0,
         plant=build,
+        load_encoders=True,
     )
 
 
