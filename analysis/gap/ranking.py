@@ -13,7 +13,7 @@ from .hypothesis import Fit, price, price_of
 from .machine import Array
 
 RESAMPLES = 1000
-LATE_TWIN = 0.03  # scores of a delay and a lag this close are not told apart
+LATE_TWIN = 0.02  # scores of a delay and a lag this close are not told apart
 TWIN = 0.002  # scores closer than this share of the residual separate nothing: nuisance exceeds it
 
 

@@ -10,11 +10,12 @@ import pytest
 from gapscope.analysis.gap.attribution import _holds_nothing
 from gapscope.analysis.gap.hypothesis import price
 from gapscope.analysis.gap.ranking import (
+    LATE_TWIN,
     TWIN,
     Ranked,
     _best_of_twins,
     _fair_price,
-    _late_twins,
+    _late_groups,
     _shared_wins,
 )
 from gapscope.analysis.gap.shrinkage import Shrinkage
@@ -132,17 +133,18 @@ def test_an_effect_without_size_is_no_effect() -> None:
     assert not _holds_nothing(fit)
 
 
-def test_beside_impacts_a_delay_and_a_lag_are_twins() -> None:
+def test_a_delay_and_a_lag_are_twins_beside_impacts_and_where_either_would_do() -> None:
     def fit(*effects: str, rough: bool) -> Any:
         forms = [SimpleNamespace(effect=e, shifts=e.startswith("actuator")) for e in effects]
         return SimpleNamespace(hypothesis=SimpleNamespace(forms=forms, rough=rough))
 
-    scores = np.array([[1.0, 1.2], [0.9, 0.8], [0.1, 0.1]])
-    for rough, first in ((True, [0.9, 0.8]), (False, [1.0, 1.2])):
+    near, far = 0.5 * LATE_TWIN, 2.0 * LATE_TWIN
+    for rough, apart, first in ((True, far, 0.8), (False, far, 0.8 + far), (False, near, 0.8)):
         found = [fit("clearance", "actuator.delay", rough=rough)]
         found += [fit("actuator.lag", "clearance", rough=rough), fit("clearance", rough=rough)]
-        shared = _best_of_twins(scores, _late_twins(found))
-        np.testing.assert_array_equal(shared, [first, [0.9, 0.8], [0.1, 0.1]])
+        scores = np.array([[0.8 + apart] * 2, [0.8, 0.8], [0.79, 0.79]])
+        shared = _best_of_twins(scores, _late_groups(found), found)
+        np.testing.assert_array_equal(shared, [[first] * 2, [0.8, 0.8], [0.79, 0.79]])
 
 
 def test_a_lag_in_a_log_whose_clock_was_off_is_doubted() -> None:
