@@ -126,3 +126,16 @@ def test_a_slider_that_always_runs_away_gives_way_to_the_drive(monkeypatch):
     other = cases.draw(6, index)
     assert isinstance(other.machine, Machine)
     assert other.cause == drawn.cause
+
+
+def test_a_pair_that_always_runs_away_gives_way_to_another(monkeypatch):
+    index = index_of(6, "double")
+    drawn = cases.draw(6, index)
+    monkeypatch.setattr(cases, "steady", lambda case: case.cause != drawn.cause)
+    other = cases.draw(6, index)
+    assert other.kind == "double"
+    assert other.cause != drawn.cause
+    with monkeypatch.context() as patched:
+        patched.setattr(cases, "steady", lambda case: False)
+        with pytest.raises(RuntimeError, match="all ran away"):
+            cases.draw(6, index)
