@@ -1,4 +1,4 @@
-"""``gapscope view MACHINE``: a machine with sliders, a log with ghosts, a block diagram."""
+"""``gapscope view MACHINE``: a machine with sliders, a log with ghosts; ``gapscope view DIAGRAM --blocks``."""
 
 from pathlib import Path
 from typing import Annotated
@@ -9,7 +9,13 @@ from . import places
 
 
 def view(
-    machine: Annotated[str, typer.Argument(help="c-drive, slider, pmc, mm3a or 5r.")],
+    machine: Annotated[
+        str,
+        typer.Argument(
+            help="c-drive, slider, pmc, mm3a, 5r, replalink, 2prr, mast, 3prs or furuta. With --blocks: a diagram of "
+            "the toolbox (a wrong name lists them), or FILE.py:FUNCTION, what that function of yours returns."
+        ),
+    ],
     log: Annotated[
         Path | None, typer.Option(help="Log set of it: replay a run beside its models.")
     ] = None,
@@ -20,8 +26,11 @@ def view(
         float | None, typer.Option(help="Enlarge differences of the models; default 5 % of motion.")
     ] = None,
     blocks: Annotated[
-        bool, typer.Option(help="Block diagram of its loop as SVG, instead.")
+        bool, typer.Option("--blocks", help="Block diagram as SVG, instead.")
     ] = False,
+    depth: Annotated[
+        int, typer.Option(help="With --blocks: levels of subsystems that are opened.", min=0)
+    ] = 1,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -33,7 +42,11 @@ def view(
     from ..files import output_folder, write_whole
 
     if blocks:
-        content, default = _blocks(machine), f"{machine}.svg"
+        from ..view.block_diagram import svg
+        from ..view.diagrams import diagram
+
+        content = svg(diagram(machine), depth=depth)
+        default = f"{machine.rpartition(':')[2]}.svg"
     elif log is not None:
         content, default = _replay(machine, log, run, magnify), "replay.html"
     elif out is not None:
@@ -68,19 +81,3 @@ def _replay(machine: str, log: Path, run: str | None, magnify: float | None) -> 
         raise InputError(log, f"a log of system.kind {logset.kind}", f"one of {machine}")
     with Console(stderr=True).status("diagnosing") as status:
         return page(replay(diagnose(logset, progress=status.update), run, magnify))
-
-
-def _blocks(machine: str) -> str:
-    from ..errors import InputError
-    from ..view.block_diagram import svg
-
-    if machine == "c-drive":
-        from ...diagrams.c_drive_config import CDriveLoopConfig
-        from ...diagrams.c_drive_loop import c_drive_loop
-
-        return svg(c_drive_loop(CDriveLoopConfig()))
-    if machine == "pmc":
-        from ...diagrams.pmc_loop import PMCLoopConfig, pmc_loop
-
-        return svg(pmc_loop(PMCLoopConfig()))
-    raise InputError("view --blocks", f"no loop of {machine!r}", "c-drive or pmc")

@@ -79,5 +79,5 @@ def out_and_back(
         name=f"{name} {rate:g} Hz",
         position=np.multiply.outer(s, programs[name]),
         acceleration=np.multiply.outer(second / half**2, programs[name]),
-        keys={"rate_Hz": rate},
+        keys={"note": name, "rate_Hz": rate},
     )

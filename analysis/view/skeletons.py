@@ -6,7 +6,6 @@ the machine's model, planar machines in the plane z = 0.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -204,48 +203,46 @@ def _mm3a() -> Skeleton:
     )
 
 
-def _five_bar() -> Skeleton:
-    from ...models.parallel import five_bar
-    from ...models.parallel.five_bar import FiveBar
+def _furuta() -> Skeleton:
+    from ...models.furuta import FurutaParameters
 
-    machine = FiveBar()
-
-    def along(angle: Any) -> Floats:
-        return np.array([np.cos(angle), np.sin(angle), 0.0])
+    p = FurutaParameters()
 
     def place(values: Floats) -> dict[str, Floats]:
-        posture = five_bar.forward(values, machine)
-        a0 = np.array([-0.5 * machine.base, 0.0, 0.0])
-        b0 = -a0
-        a = a0 + machine.crank1 * along(values[0])
-        b = b0 + machine.crank4 * along(values[1])
-        c = a + machine.rod2 * along(posture.angle2)
+        theta, alpha = values
+        out = np.array([np.cos(theta), np.sin(theta), 0.0])
+        ahead = np.array([-np.sin(theta), np.cos(theta), 0.0])
+        up = np.array([0.0, 0.0, 1.0])
+        elbow = p.L_r * out
+        tip = elbow + p.L_p * (np.sin(alpha) * ahead + np.cos(alpha) * up)
         return {
-            "crank 1": np.stack([a0, a]),
-            "crank 4": np.stack([b0, b]),
-            "rod 2": np.stack([a, c]),
-            "rod 3": np.stack([b, b + machine.rod3 * along(posture.angle3)]),
-            "A": a,
-            "B": b,
-            "tool": np.array([*posture.tool, 0.0]),
-            "motor 1": a0,
-            "motor 4": b0,
+            "motor": np.array([[0.0, 0.0, -0.1], [0.0, 0.0, -0.01]]),
+            "arm": np.stack([np.zeros(3), elbow]),
+            "pendulum": np.stack([elbow, tip]),
+            "elbow": elbow,
         }
 
     return Skeleton(
-        name="5r",
-        coordinates=tuple(
-            Coordinate(
-                name=f"crank q{i}", unit="rad", low=start - 1.0, high=start + 1.0, start=start
-            )
-            for i, start in ((1, 1.95), (4, 1.05))
+        name="furuta",
+        coordinates=(
+            Coordinate(name="arm theta", unit="rad", low=-1.6, high=1.6, start=0.3),
+            Coordinate(name="pendulum alpha", unit="rad", low=-np.pi, high=np.pi, start=0.2),
         ),
-        rods={"crank 1": 0.02, "crank 4": 0.02, "rod 2": 0.015, "rod 3": 0.015},
-        balls={"A": 0.025, "B": 0.025, "tool": 0.035, "motor 1": 0.045, "motor 4": 0.045},
+        rods={"motor": 0.03, "arm": 0.006, "pendulum": 0.005},
+        balls={"elbow": 0.009},
         place=place,
-        camera=(0.0, -0.6, 2.2),
-        centre=(0.0, 0.5, 0.0),
+        camera=(0.27, -0.2, 0.16),
     )
+
+
+def _parallel(name: str) -> Callable[[], Skeleton]:
+    def build() -> Skeleton:
+        from . import parallel_skeletons
+
+        found: Skeleton = getattr(parallel_skeletons, name)()
+        return found
+
+    return build
 
 
 MACHINES: dict[str, Callable[[], Skeleton]] = {
@@ -253,5 +250,10 @@ MACHINES: dict[str, Callable[[], Skeleton]] = {
     "slider": _slider,
     "pmc": _pmc,
     "mm3a": _mm3a,
-    "5r": _five_bar,
+    "5r": _parallel("five_bar_5r"),
+    "replalink": _parallel("replalink"),
+    "2prr": _parallel("slider_pair"),
+    "mast": _parallel("mast"),
+    "3prs": _parallel("three_prs"),
+    "furuta": _furuta,
 }

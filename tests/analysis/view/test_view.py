@@ -10,6 +10,7 @@ from pydrake.systems.primitives import Gain
 from gapscope.analysis.errors import InputError
 from gapscope.analysis.view import scene
 from gapscope.analysis.view.block_diagram import svg
+from gapscope.analysis.view.diagrams import DIAGRAMS, diagram
 from gapscope.analysis.view.skeletons import MACHINES, skeleton
 
 
@@ -100,15 +101,61 @@ def test_block_diagram_of_any_diagram():
     builder.Connect(first.get_output_port(), second.get_input_port())
     builder.ExportInput(first.get_input_port(), "asked")
     builder.ExportOutput(second.get_output_port(), "given")
-    diagram = builder.Build()
-    diagram.set_name("chain")
-    drawn = svg(diagram)
+    chain = builder.Build()
+    chain.set_name("chain")
+    drawn = svg(chain)
     root = ElementTree.fromstring(drawn)
     words = {text for element in root.iter() for text in [(element.text or "").strip()] if text}
     assert {"first", "second", "asked", "given"} <= words
     edges = [e for e in root.iter() if e.get("class") == "edge"]
     assert len(edges) == 3
     assert root.get("aria-label") == "Block diagram of chain"
-    assert svg(diagram) == drawn
+    assert svg(chain) == drawn
     with pytest.raises(ValueError, match="depth is -1"):
-        svg(diagram, depth=-1)
+        svg(chain, depth=-1)
+
+
+def test_every_diagram_of_the_toolbox_is_built_and_drawn():
+    pytest.importorskip(
+        "pygraphviz", reason="pygraphviz is not installed: pip install 'gapscope[view]'"
+    )
+    for name in DIAGRAMS:
+        root = ElementTree.fromstring(svg(diagram(name)))
+        assert len([e for e in root.iter() if e.get("class") == "edge"]) > 3, name
+
+
+OWN = """
+from pydrake.systems.primitives import Gain
+from neighbour import gain
+
+def build():
+    return Gain(gain, 1)
+
+def number():
+    return 3
+
+def broken():
+    raise ValueError("no robot today")
+
+def misspelt():
+    return Gain.twice
+"""
+
+
+def test_a_diagram_of_the_users_own_file(tmp_path):
+    (tmp_path / "neighbour.py").write_text("gain = 2.0\n")
+    file = tmp_path / "robot.py"
+    file.write_text(OWN)
+    assert diagram(f"{file}:build").get_output_port().size() == 1
+    for function, message in (
+        ("number", "returns a int"),
+        ("broken", "no robot today"),
+        ("misspelt", "misspelt: .*twice"),
+        ("nothing", "no function 'nothing'"),
+    ):
+        with pytest.raises(InputError, match=message):
+            diagram(f"{file}:{function}")
+    with pytest.raises(InputError, match="no such file"):
+        diagram("elsewhere.py:build")
+    with pytest.raises(InputError, match="one of c-drive, c-drive-ts"):
+        diagram("toaster")
