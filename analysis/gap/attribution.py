@@ -27,6 +27,7 @@ NO_SEARCH = np.inf  # a screen that no start passes: the best of the starting va
 ROUGH_GAIN = 0.1  # as LEAST_GAIN beside impacts, where a better optimum looks like an effect
 PROMISE = 0.25  # of the fall of a sibling's loss, asked of the start of a search for impacts
 CONTENDER = 1.5  # a search goes on while its residual is within this ratio of the best one's
+ROUGH_CONTENDER = 1.2  # as CONTENDER, of the dear searches for impacts
 FAR = 1.5  # times the floor: a residual beyond it has the other forms of the best effect grown, too
 REFINED_REACH = 0.1  # of the score above the best one's, up to which a richer form is tried
 
@@ -144,10 +145,12 @@ def _add_each(
 def _taken_further(predictor: Predictor, fits: Sequence[Fit]) -> list[Fit]:
     """The fits, those searched on that did not end and are not far behind the best."""
     best = min((f.rms for f in fits), default=0.0)
-    return [
-        f if f.finished or f.rms > CONTENDER * best else fit(predictor, f.hypothesis, f)
-        for f in fits
-    ]
+    further = []
+    for f in fits:
+        reach, screen = (ROUGH_CONTENDER, -np.inf) if f.hypothesis.rough else (CONTENDER, SCREEN)
+        over = f.finished or f.rms > reach * best
+        further.append(f if over else fit(predictor, f.hypothesis, f, screen))
+    return further
 
 
 def _grown(
@@ -160,6 +163,9 @@ def _grown(
     """The parents with one effect more each, best first, sets of effects not tried before."""
     known = {frozenset(f.hypothesis.ids) for f in tried}
     smooth = [p for p in parents if not p.hypothesis.rough]
+    # Impacts are dear: beside the best only, and not where impacts themselves are far better.
+    best = min((p.rms for p in parents), default=0.0)
+    beside_impacts = smooth[0] if smooth and smooth[0].rms < CONTENDER * best else None
     children = [
         child
         for parent in smooth
@@ -171,8 +177,7 @@ def _grown(
                 f
                 for f in forms
                 if frozenset((*parent.hypothesis.ids, f.effect)) not in known
-                # Impacts are dear: beside the best only.
-                and (f.step == 0.0 or parent is smooth[0])
+                and (f.step == 0.0 or parent is beside_impacts)
             ],
             progress,
         )
@@ -190,9 +195,11 @@ def _beside_impacts(
     (impact,) = best.hypothesis.ids
     least = PROMISE * (1.0 - (best.rms / retuned.rms) ** 2)
     starts: list[Fit] = []
+    # One form of each: the others are tried in its place once the best is known.
+    first_forms = {form.effect: form for form in reversed(forms) if form.shifts}.values()
     for rough in (form for form in forms if form.effect == impact):
         progress(f"a command that comes late + {rough.effect}, {rough.name}")
-        pairs = [Hypothesis(forms=(late, rough)) for late in forms if late.shifts]
+        pairs = [Hypothesis(forms=(late, rough)) for late in first_forms]
         tried = [fit(predictor, pair, retuned, NO_SEARCH) for pair in pairs]
         starts.append(min(tried, key=lambda f: f.rms))
     return best_by_ids(

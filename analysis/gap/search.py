@@ -15,6 +15,7 @@ ENOUGH = 1e-4  # relative fall of the loss that ends a search; decisions are 40 
 ROUGH_STEPS = 60, 120  # predictions of all runs in a search without derivatives: effects, then all
 FEW = 9  # best starting points from which second values are tried
 MOST_ROUNDS = 2  # of both searches
+STEP_COST = 15  # such predictions per step of a search by derivatives
 LINE = 1.0, 0.5, 0.2  # parts of a linear step that are tried beside impacts
 ROUND = 0.02  # relative fall of the loss that is worth another round
 
@@ -24,7 +25,7 @@ def search(
 ) -> tuple[Array, Array, bool, bool]:
     """Best point, its Jacobian, whether a search led there or only a linear step, and whether it ended."""
     if problem.rough:
-        return _search_impacts(problem, parent, screen)
+        return _search_impacts(problem, parent, screen, steps)
     best_x, best_jac, best_cost, searched = np.zeros(0), np.zeros((0, 0)), np.inf, False
     bounds = (problem.lower, problem.upper)
     finished = True
@@ -48,13 +49,14 @@ def search(
 
 
 def _search_impacts(
-    problem: Problem, parent: Fit | None, screen: float
+    problem: Problem, parent: Fit | None, screen: float, steps: int
 ) -> tuple[Array, Array, bool, bool]:
     """As ``search``, for impacts: their residuals are too rough for derivatives.
 
     The best of all combinations of starting values is improved by simplex searches, of the effects'
     parameters and then of all. Where it lowers the parent's loss by less than the share ``screen``, no
-    search is made. What is new beside a parent's impacts starts from where a linear step leads.
+    search is made. What is new beside a parent's impacts starts from where a linear step leads. Few ``steps`` are
+    spent on the effects' parameters alone.
     """
     x = _starts(problem, parent, together=True)[0]
     cost = float(np.sum(problem.flat(x) ** 2))
@@ -62,6 +64,9 @@ def _search_impacts(
         x, cost = _linear_start(problem, parent, x, cost)
     if parent is not None and cost > (1.0 - screen) * float(np.sum(parent.residual**2)):
         return x, np.zeros((parent.residual.size, x.size)), False, True
+    if steps * STEP_COST < sum(ROUGH_STEPS):
+        x, _ = _simplex_search(problem, x, problem.of_effects, steps * STEP_COST)
+        return x, problem.jacobian(x), True, False
     everything = np.ones(x.size, dtype=bool)
     for _ in range(MOST_ROUNDS):
         before = cost
