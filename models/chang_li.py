@@ -13,6 +13,8 @@ so that the loss falls with inertia and grows with load, faster than linearly. A
 neither presliding nor hysteresis nor a ringing stack; a frame that recoils is not modelled.
 """
 
+from typing import Any
+
 
 def step(stroke: float, flyback: float, coulomb: float, mass: float, load: float) -> float:
     """Net motion per step [m] for stroke [m], flyback time [s], friction [N], mass [kg], load [N].
@@ -30,3 +32,11 @@ def step(stroke: float, flyback: float, coulomb: float, mass: float, load: float
     back = 0.5 * reached * dragged + reached * (flyback - dragged)
     braking = 0.5 * reached**2 * mass / (coulomb - load)
     return stroke - back - braking
+
+
+def loss_factor(ratio: Any) -> Any:
+    """Distance lost by (3) over what is lost without load; ``ratio`` is load over friction, F/F_c, below 1.
+
+    The loss itself is :math:`t_f^2 F_c/m` without load. Floats or arrays.
+    """
+    return (1.0 + ratio) / (1.0 - ratio)

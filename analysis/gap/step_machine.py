@@ -12,7 +12,7 @@ predicted one by one from their measured start: errors do not add up along a run
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,11 +24,11 @@ from ...models.mm3a.arm import Arm
 from .law_error import LawError
 from .machine import Array, Machine, RunData, rms
 from .move_location import locate_moves
+from .slip_terms import PRISMATIC, SlipTerms, reversal_gain, step_change
 
 if TYPE_CHECKING:
     from .effects import Effect, Form
 
-PRISMATIC = 2  # index of the joint that slides
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)  # along a move
 SAME_ANGLE, SAME_LENGTH = 0.05, 0.5e-3  # starts this close are the same posture [rad], [m]
 SAME_SHARE = 0.05  # of the travel of joint 3
@@ -42,7 +42,7 @@ LAW_MISFIT = 0.004
 FORM_MISFIT = 0.4
 STATED = "repeatability of a move, stated or of all runs together"
 REPEATED = "repeatability of repeated moves"
-WITH_LAW = f", and {100 * LAW_MISFIT:.1f} % that the step law itself may be off"
+WITH_LAW = ", and {:.2g} % that the step law itself may be off"
 
 
 @dataclass
@@ -61,6 +61,7 @@ class StepPlant:
     warm_up: float = 600.0  # time to 63 % of the warming [s]
     memory: float = 0.0  # steps to 63 % of the reversal gain [-]
     reading: float = 1.0  # measured per true displacement [-]
+    slip: SlipTerms = field(default_factory=SlipTerms)  # amounts that steps gain or lose
     time: float = 0.0  # how long the machine had been running when the run began [s]
 
     def finished(self) -> "StepPlant":
@@ -81,6 +82,10 @@ class MoveRun(RunData):
     extension: Array  # (moves, nodes) q3 over the travel of joint 3 [-]
     load: Array  # (moves, nodes) load factor of the joint
     load_per_kg: Array  # (moves, nodes) what a mass on the tip adds to it [1/kg]
+    pull: Array  # (moves, nodes) load, over that of the level, retracted arm in 1 g [-]
+    pull_per_kg: Array  # (moves, nodes) what a mass on the tip adds to it [1/kg]
+    inertia: Array  # (moves, nodes) of the joint, over that of the level, retracted arm [-]
+    inertia_per_kg: Array  # (moves, nodes) what a mass on the tip adds to it [1/kg]
     reverses: NDArray[np.bool_]  # the move goes against the one before it
     start_position: Array  # (moves,) of the moving joint [rad or m]
     expected: Array  # (moves,) mean step of the stated law [rad or m]
@@ -96,6 +101,7 @@ class StepMachine(Machine):
     moving: tuple[int, ...]  # indices of the joints that move
     sessions: tuple[str, ...]
     repeatability: float  # of a move, relative, where runs repeat too few
+    law_misfit: float = LAW_MISFIT  # relative rms that the law misses of a move without any effect
 
     def build(self, values: Mapping[str, float]) -> StepPlant:
         """The stated step law, its basic steps, load and recoil terms scaled by joint."""
@@ -165,12 +171,15 @@ class StepMachine(Machine):
     @property
     def law_error(self) -> LawError:
         """The step law is empirical."""
-        return LawError(law=LAW_MISFIT, form=FORM_MISFIT)
+        return LawError(law=self.law_misfit, form=FORM_MISFIT)
 
     def floor(self, runs: Sequence[RunData], residuals: Sequence[Array]) -> tuple[list[Array], str]:
-        """Differences of repeated moves over sqrt(2), or what the log set states, and ``LAW_MISFIT`` in quadrature."""
+        """Differences of repeated moves over sqrt(2), or what the log set states, and the law's misfit in quadrature."""
         found, source = self.repeatability_of(runs, residuals)
-        return [np.copysign(np.hypot(f, LAW_MISFIT), f) for f in found], source + WITH_LAW
+        misfit = self.law_misfit
+        return [np.copysign(np.hypot(f, misfit), f) for f in found], source + WITH_LAW.format(
+            100.0 * misfit
+        )
 
     def repeatability_of(
         self, runs: Sequence[RunData], residuals: Sequence[Array]
@@ -219,6 +228,7 @@ def mean_step(run: MoveRun, plant: StepPlant) -> Array:
     else:
         basic = (p[:, :1] - bend, p[:, 1:2] - bend)
         sizes = step_size.rotary_step(run.extension, load, *basic, p[:, 2:3], p[:, 3:4], 1.0)
+    sizes = sizes + step_change(run, plant.slip, plant.warm_up)
     usable = np.all(sizes > 0.0, axis=1)
     safe = np.where(usable[:, None], sizes, 1.0)
     return np.where(usable, 2.0 / np.sum(WEIGHTS / safe, axis=1), np.nan)
@@ -234,7 +244,8 @@ def move(run: MoveRun, plant: StepPlant) -> Array:
     gained = (plant.reversal[j] + plant.reversal_load[j] * opposing) * run.reverses
     if plant.memory > 0.0:
         gained = gained * (1.0 - np.exp(-run.steps / plant.memory))
-    return plant.reading * sign * mean_step(run, plant) * (1.0 + change) * (run.steps + gained)
+    steps = mean_step(run, plant) * (1.0 + change) * (run.steps + gained)
+    return np.asarray(plant.reading * sign * (steps + reversal_gain(run, plant.slip)))
 
 
 def repeats(run: MoveRun, residual: Array) -> Array:

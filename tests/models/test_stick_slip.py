@@ -158,6 +158,16 @@ def test_closed_form_of_chang_and_li_is_the_limit_of_a_rigid_contact():
             assert physical == pytest.approx(closed, abs=0.05 * stroke)
 
 
+@pytest.mark.parametrize("ratio", [-0.5, 0.0, 0.3])
+def test_loss_factor_is_the_loss_of_the_closed_form_over_that_without_load(ratio):
+    """Also where each holds: what a heavier slider loses falls with its mass."""
+    stroke, flyback, coulomb = 1e-5, 1e-4, 0.1
+    for mass in (0.002, 0.005):
+        lost = stroke - chang_li.step(stroke, flyback, coulomb, mass, ratio * coulomb)
+        expected = flyback**2 * coulomb / mass * chang_li.loss_factor(ratio)
+        assert lost == pytest.approx(expected, rel=1e-12)
+
+
 def test_chang_li_takes_over_the_speed_of_the_stack_when_light():
     """A massless slider follows the stack both ways and is thrown back by no more than that."""
     assert chang_li.step(1e-6, 1e-4, 0.1, 1e-12, 0.0) == pytest.approx(0.0, abs=1e-14)

@@ -10,6 +10,7 @@
       joint_3_negative: {basic: 8.99e-7, load: -4.36e-7, curve: 5.0e-8}     # lost with the load squared
       arm: {mass_3: 0.002}                                                  # defaults of models/mm3a/arm.py
       repeatability: 0.003
+      law_error: 0.004                                                      # default, 0 for an exact law
 
 Columns ``t: s`` (since the session began), ``steps: 1`` (signed, commanded), ``q1: rad``, ``q2: rad``,
 ``q3: m`` (before the move), ``moved: rad or m`` (measured, of the joint that moves).
@@ -18,7 +19,7 @@ Keys of a run: ``joint`` (1, 2, 3); ``theta_rad``, ``psi_rad`` tilt of the base 
 ``force_N`` known force on the tip in frame 0; ``run_in_steps`` steps in the direction of the move that
 were made before each of them and not logged, which makes a reversal invisible (0).
 
-The floor counts in what the step law itself may be off (``LAW_MISFIT``), and a claim must be larger than that
+The floor counts in what the step law itself may be off (``law_error``, relative rms of a move), and a claim must be larger than that
 and than what the form of one effect may miss (``law_error.py``); ``analysis/mm3a/blind.py`` has what this brings.
 """
 
@@ -28,13 +29,14 @@ from typing import Any
 
 import numpy as np
 
-from ....models.mm3a import step_size
-from ....models.mm3a.arm import Arm, gravity_in_base
+from ....models.mm3a import dynamics, kinematics, step_size
+from ....models.mm3a.arm import STANDARD_GRAVITY, Arm, gravity_in_base
 from ...errors import InputError
 from ..logset import FILE, LogSet, Run
 from ..machine import Array, RunData, own_parameter, rms
 from ..step_machine import (
     FEWEST_REPEATS,
+    LAW_MISFIT,
     NODES,
     PRISMATIC,
     MoveRun,
@@ -67,7 +69,7 @@ def read(logset: LogSet) -> tuple[StepMachine, list[RunData]]:
     """Machine and runs of a log set of moves."""
     require_units(logset, COLUMNS)
     names = {f"joint_{j}_{side}" for j in (1, 2, 3) for side in SIDES}
-    settings = nominal_settings(logset, names | {"arm", "repeatability"})
+    settings = nominal_settings(logset, names | {"arm", "repeatability", "law_error"})
     where = f"{logset.folder / FILE}, system.nominal"
     nominal = logset.system.get("nominal", {})
     stated = settings.number("repeatability", positive=True) if "repeatability" in nominal else None
@@ -85,12 +87,25 @@ def read(logset: LogSet) -> tuple[StepMachine, list[RunData]]:
         moving=moving,
         sessions=tuple(dict.fromkeys(_session(run) for run in logset.runs)),
         repeatability=stated or np.nan,
+        law_misfit=_law_error(where, settings),
     )
     machine = _with_own(machine, tolerance(logset))
-    runs = [with_expectation(_run(logset, run, machine), machine) for run in logset.runs]
+    runs = _with_history([_run(logset, run, machine) for run in logset.runs])
+    runs = [with_expectation(run, machine) for run in runs]
     if stated is None:
         machine = replace(machine, repeatability=_repeatability(logset, machine, runs))
     return machine, list(runs)
+
+
+def _law_error(where: str, settings: Settings) -> float:
+    stated = settings.number("law_error", LAW_MISFIT)
+    if not 0.0 <= stated < 1.0:
+        raise InputError(
+            f"{where}.law_error",
+            f"{stated:g}",
+            "the relative rms by which the stated law misses a move: 0 or more, below 1",
+        )
+    return stated
 
 
 def _repeatability(logset: LogSet, machine: StepMachine, runs: Sequence[MoveRun]) -> float:
@@ -195,7 +210,32 @@ def _run(logset: LogSet, run: Run, machine: StepMachine) -> MoveRun:
         extension=(along[:, 2] - machine.arm.lower_3) / (machine.arm.upper_3 - machine.arm.lower_3),
         load=load + np.zeros_like(along[:, 1]), load_per_kg=heavier - load + np.zeros_like(along[:, 1]),
         reverses=reverses, start_position=q[:, joint], expected=np.ones(len(steps)),
+        **_burden(posture, gravity, force, joint, machine.arm),
     )  # fmt: skip
+
+
+def _burden(
+    posture: tuple[Array, Array, Array], gravity: Array, force: Array, joint: int, arm: Arm
+) -> dict[str, Any]:
+    """Load and inertia of a joint over those of the level, retracted arm in 1 g, and what a kg on the tip adds."""
+    level, up = (*step_size.LEVEL, arm.lower_3), STANDARD_GRAVITY
+    weight = (
+        up * dynamics.moment_1(level, arm),
+        up * dynamics.moment_2(level, arm),
+        up * arm.mass_3,
+    )
+    load = dynamics.static_load(posture, gravity, force, arm)[joint]
+    heavier = dynamics.static_load(posture, gravity, force + gravity, arm)[joint]
+    inertia = dynamics.mass_diagonal(posture, arm)[joint]
+    added = sum(np.square(row[joint]) for row in kinematics.jacobian(posture, arm))
+    reference = float(dynamics.mass_diagonal(level, arm)[joint])
+    nothing = np.zeros_like(posture[0])
+    return {
+        "pull": load / weight[joint] + nothing,
+        "pull_per_kg": (heavier - load) / weight[joint] + nothing,
+        "inertia": inertia / reference + nothing,
+        "inertia_per_kg": added / reference + nothing,
+    }
 
 
 def _joint(logset: LogSet, run: Run) -> int:
@@ -217,6 +257,21 @@ def _directions(logset: LogSet) -> set[tuple[int, int]]:
         for run in logset.runs
         for step in run.columns["steps"]
     }
+
+
+def _with_history(runs: Sequence[MoveRun]) -> list[MoveRun]:
+    """The runs, with the first move of one marked that reverses the last one of its joint in the session."""
+    found = []
+    for run in runs:
+        before = [
+            r for r in runs
+            if (r.joint, r.session) == (run.joint, run.session) and r.t[-1] < run.t[0]
+        ]  # fmt: skip
+        reverses = run.reverses.copy()
+        if before and not run.settings.get("run_in_steps", 0.0):
+            reverses[0] = max(before, key=lambda r: r.t[-1]).side[-1] != run.side[0]
+        found.append(replace(run, reverses=reverses))
+    return found
 
 
 def _force(where: str, stated: Any) -> Array:

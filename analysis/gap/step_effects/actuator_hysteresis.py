@@ -2,13 +2,14 @@ r"""A direction memory: stack and contact are wound up the other way when a move
 
 The move gains r steps (loses, if negative): all at once, over some steps, :math:`r(1 - e^{-n/m})`, or with
 the load s lambda that opposes it, :math:`r + r_\lambda s\lambda`, as load and friction wind the contact up
-together.
+together. Or it gains a distance of its own by direction, whatever is left of the step ((7) of ``slip_terms.py``): how
+far the slider comes and falls back as stack and contact are wound up anew.
 """
 
 from ..effects.base import Effect, Form, Values, parameter
 from ..machine import Parameter
 from ..step_machine import StepMachine, StepPlant
-from .base import Moves, at_joints, removable
+from .base import SIDES, UNITS, Moves, at_joints, removable
 
 
 def forms(machine: StepMachine, moves: Moves) -> list[Form]:
@@ -32,7 +33,7 @@ def forms(machine: StepMachine, moves: Moves) -> list[Form]:
     choices: dict[str, list[Parameter]] = {"at once": [], "with the load": with_load}
     if moves.lengths_vary:
         choices["over some steps"] = [memory]
-    return [
+    found = [
         Form(
             effect=EFFECT.id,
             name=name,
@@ -46,6 +47,33 @@ def forms(machine: StepMachine, moves: Moves) -> list[Form]:
         for name, extra in choices.items()
         if extra or name == "at once"
     ]
+    return [*found, _distance(moves)]
+
+
+def _distance(moves: Moves) -> Form:
+    gains: dict[str, tuple[str, int, int]] = {}
+    for joint in moves.reversing:
+        for side in moves.sides[joint]:
+            gains[f"reversal_{joint + 1}_{SIDES[side]}"] = ("reversal", joint, side)
+            if joint in moves.loaded:
+                gains[f"loaded_{joint + 1}_{SIDES[side]}"] = ("reversal_load", joint, side)
+    parameters = [
+        parameter(name, UNITS[joint], moves.step[joint]) for name, (_, joint, _) in gains.items()
+    ]
+
+    def apply(plant: StepPlant, values: Values) -> None:
+        for name, (term, joint, side) in gains.items():
+            getattr(plant.slip, term)[joint, side] += values.get(name, 0.0)
+
+    return Form(
+        effect=EFFECT.id,
+        name="a distance by direction",
+        parameters=tuple(parameters),
+        apply=apply,
+        where=at_joints,
+        removable=removable(parameters),
+        own_start=True,
+    )
 
 
 EFFECT = Effect(

@@ -2,23 +2,27 @@ r"""Steps that change from day to day or while the actuators warm up (sections 4
 
 1. day      one factor by session and joint, or by direction as well
 2. warming  :math:`1 + h_j(1 - e^{-t/\tau})` with the running time t of the session
+3. stroke   as (1) and (2), but by an amount: what changes is the stroke of the stack, not what the slider falls
+   back ((6) of ``slip_terms.py``)
 """
 
 from ..effects.base import Effect, Form, Values, parameter
 from ..machine import Parameter
 from ..step_machine import StepMachine, StepPlant
-from .base import SIDES, Moves, at_joints, own_of, removable
+from .base import SIDES, UNITS, Moves, at_joints, own_of, removable
 
 Key = tuple[int, int, tuple[int, ...]]  # session, joint, sides
 
 
 def forms(machine: StepMachine, moves: Moves) -> list[Form]:
-    """Forms (1) and (2)."""
+    """Forms (1) to (3)."""
     days = range(len(machine.sessions))
     joints = {(d, j): (d, j, sides) for d in days for j, sides in moves.sides.items()}
     found = [
         _day(machine, "day to day", {f"day{d + 1}_{_n(j)}": key for (d, j), key in joints.items()}),
         _warming(moves),
+        _stroke_by_day(machine, moves),
+        _warming(moves, stroke=True),
     ]
     if len(machine.sessions) > 1:  # in one session it is a difference between directions
         each: dict[str, Key] = {
@@ -56,9 +60,45 @@ def _day(machine: StepMachine, name: str, places: dict[str, Key]) -> Form:
     )
 
 
-def _warming(moves: Moves) -> Form:
+def _stroke_by_day(machine: StepMachine, moves: Moves) -> Form:
+    places = {
+        f"stroke{d + 1}_{_n(j)}": (d, j) for d in range(len(machine.sessions)) for j in moves.sides
+    }
+    parameters = [
+        parameter(name, UNITS[j], 0.05 * moves.step[j], lower=-0.5 * moves.step[j], upper=moves.step[j])
+        for name, (_, j) in places.items()
+    ]  # fmt: skip
+
+    def apply(plant: StepPlant, values: Values) -> None:
+        for name, key in places.items():
+            plant.slip.day[key] = plant.slip.day.get(key, 0.0) + values.get(name, 0.0)
+
+    return Form(
+        effect=EFFECT.id,
+        name="stroke by day",
+        parameters=tuple(parameters),
+        apply=apply,
+        where=lambda names: {
+            **at_joints([n.split("_", 1)[1] for n in names]),
+            "sessions": sorted({machine.sessions[places[n][0]] for n in names}),
+        },
+        removable=removable(parameters),
+        replaces=own_of(machine, "basic_"),
+        own_start=True,
+    )
+
+
+def _warming(moves: Moves, *, stroke: bool = False) -> Form:
     growth: list[Parameter] = [
-        parameter(f"warming_{_n(joint)}", "1", 0.05, lower=-0.9, upper=5.0) for joint in moves.sides
+        parameter(
+            f"warming_{_n(j)}",
+            UNITS[j] if stroke else "1",
+            0.05 * size,
+            lower=-0.9 * size,
+            upper=5.0 * size,
+        )
+        for j in moves.sides
+        for size in [moves.step[j] if stroke else 1.0]
     ]
     span = max(moves.duration, 1.0)
     warm_up = parameter(
@@ -69,11 +109,12 @@ def _warming(moves: Moves) -> Form:
     def apply(plant: StepPlant, values: Values) -> None:
         plant.warm_up = values["warm_up"]
         for joint in moves.sides:
-            plant.warming[joint] += values.get(f"warming_{_n(joint)}", 0.0)
+            changed = plant.slip.warming if stroke else plant.warming
+            changed[joint] += values.get(f"warming_{_n(joint)}", 0.0)
 
     return Form(
         effect=EFFECT.id,
-        name="warming",
+        name="warming stroke" if stroke else "warming",
         parameters=(*growth, warm_up),
         apply=apply,
         where=at_joints,

@@ -9,9 +9,7 @@ r"""Steps that depend on the static load otherwise than the stated law says.
 from ..effects.base import Effect, Form, Values, parameter
 from ..machine import Parameter
 from ..step_machine import PRISMATIC, StepMachine, StepPlant
-from .base import SIDES, UNITS, Moves, at_joints, everywhere, own_of, removable
-
-ENDS = ("retracted", "extended")
+from .base import ENDS, SIDES, UNITS, Moves, at_joints, everywhere, own_of, removable
 
 
 def forms(machine: StepMachine, moves: Moves) -> list[Form]:

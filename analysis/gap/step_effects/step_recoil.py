@@ -1,12 +1,13 @@
 r"""Steps of joint 3 that shrink with the elbow angle: the frame recoils, :math:`1 - b|\cos q_2|` (4.3).
 
 Damani's power of the cosine is 1; a compliant frame would have 2, as the recoil that bends it is a component
-of the force and only a component of the bending is along the joint. One form leaves the power free.
+of the force and only a component of the bending is along the joint. One form leaves the power free. Another is that
+frame, in series with the stack ((5) of ``slip_terms.py``): it takes stroke, the same whatever the load leaves of the step.
 """
 
 from ..effects.base import Effect, Form, Values, parameter
 from ..step_machine import PRISMATIC, StepMachine, StepPlant
-from .base import SIDES, Moves, own_of, removable
+from .base import SIDES, UNITS, Moves, own_of, removable
 
 
 def forms(machine: StepMachine, moves: Moves) -> list[Form]:
@@ -31,7 +32,7 @@ def forms(machine: StepMachine, moves: Moves) -> list[Form]:
         "by direction": each,
         "any power of the cosine": [common, power],
     }
-    return [
+    found = [
         Form(
             effect=EFFECT.id,
             name=name,
@@ -45,6 +46,28 @@ def forms(machine: StepMachine, moves: Moves) -> list[Form]:
         )
         for name, parameters in choices.items()
     ]
+    return [*found, _frame(machine, moves)]
+
+
+def _frame(machine: StepMachine, moves: Moves) -> Form:
+    def apply(plant: StepPlant, values: Values) -> None:
+        plant.slip.frame += values["stroke"]
+        plant.slip.compliance = values["compliance"]
+
+    step = moves.step[PRISMATIC]
+    return Form(
+        effect=EFFECT.id,
+        name="compliant frame",
+        parameters=(
+            parameter("stroke", UNITS[PRISMATIC], 0.1 * step, lower=-step, upper=3.0 * step),
+            parameter("compliance", "1", 0.2, lower=0.0, upper=3.0, starts=(0.2,)),
+        ),
+        apply=apply,
+        where=lambda names: {"joints": ["joint_3"]},
+        shapes=frozenset({"compliance"}),
+        replaces=own_of(machine, "recoil_"),
+        own_start=True,
+    )
 
 
 EFFECT = Effect(
