@@ -23,6 +23,7 @@ from .commands import (
     parallel_workspace,
     pmc,
     rig,
+    servo,
     simulate,
     view,
     workspace,
@@ -41,10 +42,12 @@ app.add_typer(workspace.app, name="workspace")
 for _name, _command in parallel_workspace.COMMANDS.items():
     workspace.app.command(_name)(_command)
 simulate.app.command("pmc")(pmc.simulate)
-simulate.app.command("5r")(five_bar.simulate)
+for _name, _command in servo.COMMANDS.items():
+    simulate.app.command(_name)(_command)
 compare.app.command("pmc")(pmc.compare)
 compare.app.command("pmc-flaws")(pmc.flaws)
 compare.app.command("5r")(five_bar.compare)
+compare.app.command("couplings")(five_bar.couplings)
 app.add_typer(calibrate.app, name="calibrate")
 app.command("diagnose")(diagnose.diagnose)
 app.command("design")(design.design)

@@ -1,149 +1,49 @@
-"""Mechatronic model of the five-bar, as in Roldan's Figs. 3.12-3.18 and 4.6: path, control, axes, machine.
+"""Mechatronic model of the five-bar (Roldan, section 4.1, Figs. 4.6 and 4.7), on the shared ``servo_loop``.
 
-    path -> inverse kinematics -> loops -> windings -> axes -> forward kinematics
-                                   ^                   |  ^
-                                   +-------------------+  | load
-                                                       +-> inverse dynamics of the machine
+    from pydrake.systems.analysis import Simulator
+    from gapscope.diagrams.five_bar_loop import MOTIONS, FiveBarLoop, build
 
-Joint-space control closes its outer loop on the joints, workspace control on the tool, computed torque replaces
-the outer loops by the inverse dynamics. The machine is a disturbance of the axes (Fig. 3.4) or one plant with them.
+    diagram = build(FiveBarLoop(scheme="workspace"), MOTIONS["circle"])
+    Simulator(diagram).AdvanceTo(1.0)
+
+Two servo motors with 40:1 gears turn the cranks. The position loop runs on a computer of its own and asks the
+drives for speeds; their current loop counts as instantaneous unless a ``current_loop`` is given.
 """
 
 from dataclasses import dataclass, field
-from enum import StrEnum
-from typing import Any
-
-import numpy as np
-from pydrake.systems.framework import Diagram, DiagramBuilder
-from pydrake.systems.primitives import Gain
 
 from ..models.parallel.machine import FiveBarMachine
-from ..models.paths import Path
+from ..models.paths import Circle, Line, Path
 from ..models.servo_axis import ServoAxis
-from ..systems.servo.axes import CoupledAxes, ServoAxes
-from ..systems.servo.computed_torque import ComputedTorqueLoop
-from ..systems.servo.current_loop import CurrentLoop
-from ..systems.servo.kinematics import ForwardKinematics, InverseKinematics
-from ..systems.servo.machine_load import MachineLoad
-from ..systems.servo.path_source import PathSource
-from ..systems.servo.pi_loop import PILoop
-from ..systems.servo.position_loop import PositionLoop
+from .servo_loop import PORTS, Coupling, Scheme, ServoLoop, build
 
-
-class Scheme(StrEnum):
-    """Control schemes of section 3.3."""
-
-    joint = "joint-space"
-    workspace = "workspace"
-    torque = "computed-torque"
-    torque_workspace = "computed-torque-workspace"
-
-
-class Coupling(StrEnum):
-    """How the machine acts on its axes."""
-
-    disturbance = "disturbance"  # Fig. 3.4
-    plant = "plant"  # one coupled plant
+__all__ = ["GAINS", "MOTIONS", "PORTS", "Coupling", "FiveBarLoop", "Scheme", "build"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class FiveBarLoop:
-    """Settings of the loop; defaults are printed in section 4.1.3, except where marked."""
+class FiveBarLoop(ServoLoop):
+    """Settings; defaults are printed in section 4.1.3, except where marked.
+
+    The feed-forward and both filters are drawn in Fig. 4.7, their sizes are not printed: none by default.
+    """
 
     machine: FiveBarMachine = field(default_factory=FiveBarMachine)
-    axis: ServoAxis = field(default_factory=ServoAxis)
-    scheme: Scheme = Scheme.joint
-    coupling: Coupling = Coupling.disturbance
+    axis: ServoAxis = field(default_factory=ServoAxis)  # Table 4.1
     position_gain: float = 19.2  # k_v [1/s]; 3.54 in the X move
-    feedforward: float = 0.0  # of the reference's rate [-]; drawn in Fig. 4.7, its size not printed
-    position_filter: float = 0.0  # time constant [s]; drawn, not printed
-    velocity_filter: float = 0.0  # time constant [s]; drawn, not printed
     velocity_kp: float = 0.14  # [A s/rad]
     velocity_ki: float = 11.45  # printed in A/rad: times the integral of the speed error
-    current_limit: float = np.inf  # [A]; not printed
-    current_loop: CurrentLoop | None = None  # with the windings; none: the current asked for flows
-    torque_kp: float = 2500.0  # of computed torque [1/s^2]; chosen, double pole at 50 rad/s
-    torque_kv: float = 100.0  # [1/s]; chosen
     position_period: float = 5e-3  # ts_pos of the model [s]; the machine has 20 ms
-    velocity_period: float = 250e-6  # ts_vel, and of computed torque [s]
-    step: float = 125e-6  # dt, of the integration and of the machine's load [s]
+    velocity_period: float = 250e-6  # ts_vel [s]
+    step: float = 125e-6  # dt [s]
 
 
-PORTS = ("reference", "joint_reference", "joint_position", "joint_rate", "current", "position")
-
-
-def build(loop: FiveBarLoop, path: Path) -> Diagram:
-    """The diagram, at rest at the start of the path, with the output ports ``PORTS``.
-
-    Raises ValueError where the path starts out of reach.
-    """
-    start = loop.machine.inverse(path.sample(0.0)[0])
-    if not np.isfinite(start).all():
-        raise ValueError(f"the path starts at {path.sample(0.0)[0]} m; expected a point in reach")
-    builder = DiagramBuilder()
-    source = builder.AddNamedSystem("path", PathSource(path))
-    inverse = builder.AddNamedSystem("inverse_kinematics", InverseKinematics(loop.machine))
-    forward = builder.AddNamedSystem("forward_kinematics", ForwardKinematics(loop.machine))
-    _connect(builder, source, inverse, ("position", "velocity", "acceleration"))
-    axes = _axes(builder, loop, start)
-    current = _control(builder, loop, source, inverse, axes)
-    if loop.current_loop is not None:
-        current = loop.current_loop.connect(builder, current, axes, loop.axis.per_motor)
-    builder.Connect(current, axes.GetInputPort("current"))
-    builder.Connect(axes.GetOutputPort("position"), forward.GetInputPort("joint_position"))
-    for name, port in zip(PORTS, (
-        source.GetOutputPort("position"), inverse.GetOutputPort("joint_position"),
-        axes.GetOutputPort("position"), axes.GetOutputPort("rate"),
-        current, forward.GetOutputPort("position"),
-    )):  # fmt: skip
-        builder.ExportOutput(port, name)
-    return builder.Build()
-
-
-def _axes(builder: DiagramBuilder, loop: FiveBarLoop, start: Any) -> Any:
-    if loop.coupling == Coupling.plant:
-        return builder.AddNamedSystem("axes", CoupledAxes(loop.axis, loop.machine, start))
-    axes = builder.AddNamedSystem("axes", ServoAxes(loop.axis, start))
-    load = builder.AddNamedSystem("inverse_dynamics", MachineLoad(loop.machine, loop.step))
-    _connect(builder, axes, load, ("position", "rate", "acceleration"))
-    builder.Connect(load.GetOutputPort("load"), axes.GetInputPort("load"))
-    return axes
-
-
-def _control(builder: Any, loop: FiveBarLoop, source: Any, inverse: Any, axes: Any) -> Any:
-    """The controller's system, connected; its port of currents."""
-    names = ("position", "velocity", "acceleration")
-    if not (task := loop.scheme in (Scheme.workspace, Scheme.torque_workspace)):
-        names, source = ("joint_position", "joint_rate", "joint_acceleration"), inverse
-    if loop.scheme in (Scheme.torque, Scheme.torque_workspace):
-        controller: Any = builder.AddNamedSystem("computed_torque", ComputedTorqueLoop(
-            loop.machine, loop.axis, period=loop.velocity_period,
-            kp=loop.torque_kp, kv=loop.torque_kv, workspace=task,
-        ))  # fmt: skip
-        builder.Connect(axes.GetOutputPort("rate"), controller.GetInputPort("joint_rate"))
-        current = controller.GetOutputPort("current")
-    else:
-        controller = builder.AddNamedSystem("position_loop", PositionLoop(
-            2, period=loop.position_period, gain=loop.position_gain,
-            per_motor=loop.axis.per_motor, feedforward=loop.feedforward,
-            filter_time=loop.position_filter, machine=loop.machine if task else None,
-        ))  # fmt: skip
-        velocity = builder.AddNamedSystem("velocity_loop", PILoop(
-            2, period=loop.velocity_period, kp=loop.velocity_kp, ki=loop.velocity_ki,
-            limit=loop.current_limit, filter_time=loop.velocity_filter,
-        ))  # fmt: skip
-        gear = builder.AddNamedSystem("gear", Gain(1.0 / loop.axis.per_motor, 2))
-        builder.Connect(axes.GetOutputPort("rate"), gear.get_input_port())
-        builder.Connect(gear.get_output_port(), velocity.GetInputPort("measured"))
-        builder.Connect(controller.GetOutputPort("motor_rate"), velocity.GetInputPort("command"))
-        current = velocity.GetOutputPort("output")
-    for port, name in zip(("reference", "reference_rate", "reference_acceleration"), names):
-        if controller.HasInputPort(port):
-            builder.Connect(source.GetOutputPort(name), controller.GetInputPort(port))
-    builder.Connect(axes.GetOutputPort("position"), controller.GetInputPort("joint_position"))
-    return current
-
-
-def _connect(builder: DiagramBuilder, source: Any, target: Any, names: tuple[str, ...]) -> None:
-    for name in names:
-        builder.Connect(source.GetOutputPort(name), target.GetInputPort(name))
+HEIGHT = 0.9  # y of the X move; not printed [m]
+CENTRE, ACCELERATION = (0.0, 0.8), 5.0  # of the circles; not printed [m, m/s^2]
+MOTIONS: dict[str, Path] = {
+    "x-move": Line(start=(-0.6, HEIGHT), end=(0.6, HEIGHT), feed=1.0, acceleration=1.0),
+    "circle": Circle(centre=CENTRE, radius=0.2, turns=2.0, feed=0.628, acceleration=ACCELERATION),
+    "fast-circle": Circle(
+        centre=CENTRE, radius=0.2, turns=2.0, feed=1.256, acceleration=ACCELERATION
+    ),
+}
+GAINS = {"x-move": 3.54, "circle": 19.2, "fast-circle": 19.2}  # k_v [1/s], printed

@@ -1,13 +1,15 @@
-"""Paths of a tool: position, speed and acceleration over time along a line or a circle.
+"""Paths of a tool: position, speed and acceleration over time along a line or a circle, or from pose to pose.
 
-The length along the path follows a trapezoid of speed: constant acceleration up to the feed, constant feed, and
-the same down. Lengths in m, times in s.
+The length along a line or circle follows a trapezoid of speed: constant acceleration up to the feed, constant feed,
+and the same down. Lengths in m, times in s. Poses may mix m and rad: a polynomial leads from one to the other.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from .motion import polynomial_4567
 
 Array = NDArray[np.float64]
 
@@ -60,6 +62,11 @@ class Line:
         length = float(np.linalg.norm(np.subtract(self.end, self.start)))
         return Trapezoid(length=length, feed=self.feed, acceleration=self.acceleration)
 
+    @property
+    def duration(self) -> float:
+        """Time from rest to rest [s]."""
+        return self.profile.duration
+
     def sample(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration (..., 2) at times t (...) [s]."""
         s, v, a = self.profile.sample(t)
@@ -87,6 +94,11 @@ class Circle:
         length = 2.0 * np.pi * self.radius * self.turns
         return Trapezoid(length=length, feed=self.feed, acceleration=self.acceleration)
 
+    @property
+    def duration(self) -> float:
+        """Time from rest to rest [s]."""
+        return self.profile.duration
+
     def sample(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration (..., 2) at times t (...) [s]."""
         s, v, a = (np.asarray(x)[..., None] for x in self.profile.sample(t))
@@ -96,4 +108,33 @@ class Circle:
         return position, v * round_, a * round_ - v**2 / self.radius * out
 
 
-Path = Line | Circle
+@dataclass(frozen=True, kw_only=True)
+class Poses:
+    """From a pose to another and back by the 4-5-6-7 polynomial. ValueError unless the time is positive."""
+
+    start: tuple[float, ...]  # task coordinates [m or rad]
+    end: tuple[float, ...]
+    duration: float  # of both ways [s]
+
+    def __post_init__(self) -> None:
+        if len(self.start) != len(self.end):
+            raise ValueError(f"start has {len(self.start)} and end {len(self.end)} coordinates")
+        if not self.duration > 0.0:
+            raise ValueError(f"duration is {self.duration}; expected a value above 0 s")
+
+    def sample(self, t: ArrayLike) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration (..., n) at times t (...) [s]; at rest before and after."""
+        half = 0.5 * self.duration
+        at = np.clip(np.asarray(t, dtype=float), 0.0, self.duration)
+        back = at > half
+        s, ds, dds = polynomial_4567(np.where(back, self.duration - at, at) / half)
+        way = np.subtract(self.end, self.start)
+        speed = np.where(back, -ds, ds) / half
+        return (
+            np.asarray(self.start) + np.multiply.outer(s, way),
+            np.multiply.outer(speed, way),
+            np.multiply.outer(dds / half**2, way),
+        )
+
+
+Path = Line | Circle | Poses

@@ -34,8 +34,9 @@ def mast(
 
     from rich.console import Console
 
+    from ...models.belt_control import Gains
     from ..mechatronic import mast_report
-    from ..mechatronic.mast_bandwidth import Gains, study
+    from ..mechatronic.mast_bandwidth import study
 
     options = {
         "position_gain": position_gain,

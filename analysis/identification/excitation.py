@@ -29,6 +29,7 @@ METHODS = ("gradient", "pattern", "evolution", "cma")
 CMA_ROUND = 10_000  # evaluations from one start; the condition number has many local minima
 SAMPLES = 100  # instants of a cycle in the objective
 BETWEEN = 1e-4  # of each limit, for what lies between the instants of the final check
+WORST = 8.0  # log10 of the largest condition number that the Gram matrix resolves
 MARGIN = 0.002  # of each limit, kept back for what lies between the instants
 
 
@@ -99,7 +100,7 @@ class Objective:
         outside = self._outside(q)
         full = self.machine.full_regressor(q, v, a)[..., self.kept]
         value = np.log10(condition(full.reshape(*full.shape[:-3], -1, len(self.kept))))
-        return np.asarray(np.where(outside > 0.0, 6.0 + outside, np.minimum(value, 6.0)))
+        return np.asarray(np.where(outside > 0.0, WORST + outside, np.minimum(value, WORST)))
 
     def excitation(self, x: Floats) -> Excitation:
         """The motion of a vector (size,), scaled into the limits between the instants, too."""

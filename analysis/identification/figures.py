@@ -45,19 +45,26 @@ def excitation(study: Study) -> Figure:
 
 
 def parameters(study: Study) -> Figure:
-    """How far is each base parameter from what was planted, and does its interval say so?"""
-    planted = study.base.combination @ study.truth
-    size = np.abs(planted)
-    off, half = (study.fitted.values - planted) / size, study.fitted.half_width / size
-    figure = Figure(figsize=(8.5, 0.6 + 0.5 * len(planted)), layout="constrained")
+    """Do the intervals of the base parameters hold what was planted, and how wide are they?"""
+    planted, half = study.base.combination @ study.truth, study.fitted.half_width
+    off = (study.fitted.values - planted) / half
+    figure = Figure(figsize=(8.5, 1.2 + 0.4 * len(planted)), layout="constrained")
     axes = figure.subplots()
     rows = np.arange(len(planted))[::-1]
     axes.axvline(0.0, color="0.5", lw=0.8)
-    axes.errorbar(1e2 * off, rows, xerr=1e2 * half, fmt="o", color=BLUE, capsize=3)
+    axes.errorbar(off, rows, xerr=1.0, fmt="o", color=BLUE, capsize=3)
     labels = [_short(line) for line in words(study.base, study.machine.names)]
     axes.set_yticks(rows, labels, fontsize=7)
-    axes.set(xlabel="estimate less planted value, share of planted [%]")
-    axes.set_title(f"{study.machine.title}: base parameters, 95 % intervals", fontsize=10)
+    widths = axes.secondary_yaxis("right")
+    widths.set_yticks(rows, [_width(h, p) for h, p in zip(half, planted)], fontsize=7)
+    reach = max(3.0, 0.3 + float(np.abs(off).max()) + 1.0)
+    axes.set(
+        xlabel="estimate less planted value, in half-widths of its interval", xlim=(-reach, reach)
+    )
+    axes.set_title(
+        f"{study.machine.title}: base parameters, 95 % intervals (right: share of planted)",
+        fontsize=10,
+    )
     return figure
 
 
@@ -68,10 +75,9 @@ def forces(study: Study) -> Figure:
     theory = data.regressor @ np.concatenate([m.prior, np.zeros(2 * m.axes)])
     figure = Figure(figsize=(9.5, 2.3 * m.axes), layout="constrained")
     unit = "N" if m.unit == "m" else "N m"
-    step = max(1, round(0.5 / (m.cutoff * m.period))) * m.period
     for i, axes in enumerate(np.atleast_1d(figure.subplots(m.axes, 1, sharex=True))):
         own = data.axis == i
-        t = step * np.arange(own.sum())
+        t = data.time[own]
         axes.plot(t, theory[own], color=SKY, lw=1.0, label="theoretical, no friction")
         axes.plot(t, data.force[own], color="0.3", lw=1.6, label="measured (simulated)")
         axes.plot(t, predicted[own], color=VERMILION, lw=1.0, ls="--", label="identified, feasible")
@@ -99,6 +105,11 @@ def _joint_space(axes: Axes, study: Study, factor: float) -> None:
     if m.polygon is not None:
         ring = factor * np.vstack([m.polygon, m.polygon[:1]])
         axes.plot(*ring.T, color=BLUE, lw=1.2, label="joint space")
+
+
+def _width(half: float, planted: float) -> str:
+    """Half-width as a share of the planted value, or as it is where nothing was planted."""
+    return f"± {1e2 * half / abs(planted):.2g} %" if planted else f"± {half:.1g}"
 
 
 def _short(line: str, limit: int = 52) -> str:

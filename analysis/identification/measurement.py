@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 
 INSTANTS = 400  # of a cycle at which the plant is asked
 CYCLES = 4
+DOUBT = 1e-3  # largest weight in a filtered row of samples whose direction of motion is not seen
 
 
 class Periodic(Protocol):
@@ -67,6 +68,7 @@ class Regression(NamedTuple):
     regressor: Floats  # (rows, parameters), axis by axis at each instant
     force: Floats  # (rows,)
     axis: NDArray[np.int64]  # (rows,)
+    time: Floats  # (rows,) [s]
 
 
 def ideal(machine: Machine, rigid: Floats, motion: Periodic) -> Ideal:
@@ -90,7 +92,8 @@ def ideal(machine: Machine, rigid: Floats, motion: Periodic) -> Ideal:
 def measure(machine: Machine, what: Ideal, seed: int) -> Regression:
     """Quantised positions and noisy forces, differentiated, filtered without phase, decimated.
 
-    The same filter is run over every column of W and the forces, so that it biases nothing.
+    The same filter is run over every column of W and the forces, so that it biases nothing. At rest the encoder does
+    not show the sign of the speed, and so of dry friction: rows of an axis that hold such samples are left out.
     """
     rng = np.random.default_rng(seed)
     step, dt = machine.resolution, machine.period
@@ -107,9 +110,16 @@ def measure(machine: Machine, what: Ideal, seed: int) -> Regression:
     each = max(1, round(0.5 / (machine.cutoff * dt)))
     edge = round(1.0 / (machine.cutoff * dt))
     kept = slice(edge, -edge, each)
-    rows, force = rows[kept], force[kept]
-    axis = np.tile(np.arange(machine.axes), len(force))
-    return Regression(rows.reshape(-1, rows.shape[-1]), force.reshape(-1), axis)
+    clear = ~_doubtful(machine, v, low)[kept]
+    axis, time = np.meshgrid(np.arange(machine.axes), dt * np.arange(len(q))[kept])
+    return Regression(rows[kept][clear], force[kept][clear], axis[clear], time[clear])
+
+
+def _doubtful(machine: Machine, v: Floats, low: Floats) -> NDArray[np.bool_]:
+    """Whether rows (times, n) rest on samples slower than one encoder step at the filter's cutoff."""
+    slowest = 2.0 * np.pi * machine.cutoff * machine.resolution
+    still = (np.abs(v) < slowest).astype(float)
+    return np.asarray(np.abs(scipy.signal.sosfiltfilt(low, still, axis=0)) > DOUBT)
 
 
 def _fourier(values: Floats, phase: Floats) -> Floats:

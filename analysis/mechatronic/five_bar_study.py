@@ -8,12 +8,20 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from ...diagrams.five_bar_loop import Coupling, FiveBarLoop
+from ...diagrams.five_bar_loop import (
+    ACCELERATION,
+    CENTRE,
+    GAINS,
+    HEIGHT,
+    MOTIONS,
+    Coupling,
+    FiveBarLoop,
+)
 from ...models.paths import Line
 from ...models.servo_axis import ServoAxis
 from ..files import write_folder
 from . import friction_identification, x_move
-from .five_bar_run import ACCELERATION, CENTRE, GAINS, HEIGHT, PATHS, simulate
+from .servo_run import simulate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +50,7 @@ def study(seed: int = 0) -> list[Row]:
     ]
     for name in ("x-move", "circle", "fast-circle"):
         loop = FiveBarLoop(position_gain=GAINS[name])
-        run = simulate(loop, name)
+        run = simulate(loop, MOTIONS[name], name)
         numbers = run.numbers()
         if name == "x-move":
             rows.append(
@@ -63,7 +71,8 @@ def study(seed: int = 0) -> list[Row]:
                     remark=f"centre {CENTRE} m and {ACCELERATION} m/s^2 along the circle not printed",
                 )
             )
-        coupled = simulate(FiveBarLoop(position_gain=GAINS[name], coupling=Coupling.plant), name)
+        as_plant = FiveBarLoop(position_gain=GAINS[name], coupling=Coupling.plant)
+        coupled = simulate(as_plant, MOTIONS[name], name)
         apart = 1e3 * np.linalg.norm(run.position - coupled.position, axis=1).max()
         rows.append(
             Row(
@@ -78,7 +87,7 @@ def study(seed: int = 0) -> list[Row]:
 
 def _unprinted() -> list[Row]:
     """What height and feed-forward do to the X move, by the lag of the position loop alone."""
-    path, gain = PATHS["x-move"], GAINS["x-move"]
+    path, gain = MOTIONS["x-move"], GAINS["x-move"]
     assert isinstance(path, Line)
     rows = [
         Row(

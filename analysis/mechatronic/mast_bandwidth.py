@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from ...models import servo_kernels
 from ...models.belt_axis import IDENTIFIED, MANUFACTURER, BeltAxis
+from ...models.belt_control import Gains
 from ...models.parallel import mast, prs
-from ...models.servo_kernels import Axes, Loops
+from ...models.servo_kernels import Axes
 
 Array = NDArray[np.float64]
 
@@ -29,37 +30,6 @@ OTHER_GAINS = (18.0, 20.0, 22.0)  # k_v whose -3 dB spans the printed bandwidths
 HOME = np.array([mast.MAST.home, 0.0, 0.0])
 SUBSTEPS = 20
 SIGN_RATE = 10.78  # beta of the 5R's axes, none is printed for the table [s/rad]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Gains:
-    """What is assumed of the controller: nothing of it is printed for the table.
-
-    The printed gains and phases, inverted, ask for an open loop of 22.6-23.0 1/s at 0.4, 5 and 10 Hz behind a lag of
-    7-10 ms: a gain k_v and half a sample of a slow position loop. k_v and its period were chosen on a grid for the
-    smallest difference from the six printed numbers.
-    """
-
-    position_gain: float = 24.0  # k_v [1/s]
-    position_period: float = 0.015  # [s]
-    velocity_period: float = 1e-3  # [s]
-    velocity_bandwidth: float = 600.0  # of the speed loop on the axis alone [rad/s]
-    integral_corner: float = 20.0  # k_I/k_P of the speed loop [rad/s]
-
-    def loops(self, axis: BeltAxis) -> Loops:
-        """Gains for an axis tuned by the manufacturers' inertias."""
-        kp = self.velocity_bandwidth * (axis.driving + axis.driven) / axis.torque_constant
-        ratio = round(self.position_period / self.velocity_period)
-        return Loops(
-            self.position_gain,
-            0.0,
-            0.0,
-            kp,
-            self.integral_corner * kp,
-            np.inf,
-            self.velocity_period,
-            ratio,
-        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -174,11 +174,23 @@ class TableMachine:
         h = 1e-6
         q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
 
+        x = prs.forward(q, self.table)
+        now = prs.task_jacobian(x, q, self.table)
+        if not np.any(v):
+            return now, np.zeros_like(v)
+
         def jacobian(at: Floats) -> Floats:
-            return prs.task_jacobian(prs.forward(at, self.table), at, self.table)
+            return prs.task_jacobian(prs.forward(at, self.table, x), at, self.table)
 
         change = (jacobian(q + h * v) - jacobian(q - h * v)) / (2.0 * h)
-        return jacobian(q), np.einsum("...ij,...j->...i", change, v)
+        return now, np.einsum("...ij,...j->...i", change, v)
+
+
+def joint_rate(machine: ParallelMachine, q: ArrayLike, v: ArrayLike) -> Floats:
+    """Joint rates (..., n) at q (..., n) of velocities v (..., n) of the task coordinates."""
+    jacobian, _ = machine.task_motion(q, np.zeros_like(q))
+    speed = np.asarray(v, dtype=float)[..., None]
+    return np.asarray(np.linalg.solve(jacobian, speed)[..., 0], dtype=np.float64)
 
 
 def joint_motion(
@@ -186,10 +198,8 @@ def joint_motion(
 ) -> tuple[Floats, Floats, Floats]:
     """Joint positions, rates and accelerations (..., n) of a motion of the task coordinates (..., n)."""
     q = machine.inverse(x)
-    jacobian, _ = machine.task_motion(q, np.zeros_like(q))
-    speed = np.asarray(v, dtype=float)[..., None]
-    rate = np.asarray(np.linalg.solve(jacobian, speed)[..., 0], dtype=np.float64)
-    _, drift = machine.task_motion(q, rate)
+    rate = joint_rate(machine, q, v)
+    jacobian, drift = machine.task_motion(q, rate)
     net = np.asarray(a, dtype=float) - drift
     acceleration = np.linalg.solve(jacobian, net[..., None])[..., 0]
     return q, rate, np.asarray(acceleration, dtype=np.float64)

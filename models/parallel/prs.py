@@ -13,6 +13,7 @@ R_z(phi). Source: Roldan, section 4.2, appendix B.2; Ruiz et al. 2016, eqs. (1)-
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -55,21 +56,28 @@ class Table:
         if abs(np.hypot(*self.slide) - 1.0) > 1e-12:
             raise ValueError(f"slide is {self.slide}; expected a direction of length 1")
 
-    @property
+    @cached_property
     def radial(self) -> Floats:
         """Directions e_i (3, 3)."""
         a = np.array(self.azimuths)
         return np.stack([np.cos(a), np.sin(a), 0.0 * a], axis=-1)
 
-    @property
+    @cached_property
     def across(self) -> Floats:
         """Revolute axes t_i (3, 3)."""
         return np.cross(Z, self.radial)
 
-    @property
+    @cached_property
     def along(self) -> Floats:
         """Slider directions d_i (3, 3)."""
         return self.slide[0] * self.radial + self.slide[1] * Z
+
+    @cached_property
+    def planes(self) -> tuple[Floats, Floats]:
+        """Combination (3,) of the leg planes that x and y drop out of, and x and y (2, 3) by what they lack."""
+        across = self.across
+        solved = np.asarray(-np.linalg.pinv(across[:, :2]), dtype=np.float64)
+        return np.cross(across[:, 0], across[:, 1]), solved
 
     @property
     def masses(self) -> Floats:
@@ -98,18 +106,17 @@ def pose(task: ArrayLike, table: Table) -> Pose:
     x = np.asarray(task, dtype=float)
     z, psi, theta = x[..., 0], x[..., 1], x[..., 2]
     across, arms = table.across, table.radius * table.radial
-    # The one combination of the planes that x and y drop out of leaves phi alone.
-    share = np.cross(across[:, 0], across[:, 1])
+    share, solved = table.planes
     tilted = rotation.platform(psi, theta, 0.0 * psi)
     a, b = (
         np.einsum("k,ki,...ij,kj->...", share, across, tilted, arm)
-        for arm in (arms, np.cross(Z, arms))
+        for arm in (arms, table.radius * across)
     )
     phi = np.arctan(-a / b)
     turned = rotation.platform(psi, theta, phi)
     reach = np.einsum("...ij,kj->...ki", turned, arms)
     off = np.einsum("ki,...ki->...k", across, reach)
-    shift = -np.einsum("ik,...k->...i", np.linalg.pinv(across[:, :2]), off)
+    shift = np.einsum("ik,...k->...i", solved, off)
     position = np.concatenate([shift, z[..., None]], axis=-1)
     return Pose(position, turned, phi, position[..., None, :] + reach)
 
@@ -173,7 +180,10 @@ def twist(at: Pose, sliders: ArrayLike, table: Table) -> Twist:
     arms = at.joints - at.position[..., None, :]
     across = np.broadcast_to(table.across, l.shape)
     left = np.concatenate(
-        [np.concatenate([row, np.cross(arms, row)], axis=-1) for row in (l / table.bar, across)],
+        [
+            np.concatenate([row, rotation.cross(arms, row)], axis=-1)
+            for row in (l / table.bar, across)
+        ],
         axis=-2,
     )
     right = np.zeros((*l.shape[:-2], 6, 3))
@@ -199,12 +209,12 @@ def motion(task: ArrayLike, rates: ArrayLike, table: Table) -> SpatialMotion:
     x, v = np.asarray(task, dtype=float), np.asarray(rates, dtype=float)
     at, q = pose(x, table), inverse(x, table)
     l = bars(at, q, table)  # noqa: E741
-    normal = np.cross(table.across, l)  # dl / dgamma
+    normal = rotation.cross(table.across, l)  # dl / dgamma
     solved = twist(at, q, table)
     moving = np.einsum("...ij,...j->...i", solved.jacobian, v)
     spin = moving[..., 3:]
     arms = at.joints - at.position[..., None, :]
-    centripetal = np.cross(spin[..., None, :], np.cross(spin[..., None, :], arms))
+    centripetal = rotation.cross(spin[..., None, :], rotation.cross(spin[..., None, :], arms))
     joint_rows = _point(solved.jacobian[..., None, :, :], arms)
     slide_rows = table.along[:, :, None] * np.eye(3)[:, None, :]
     # gamma' = n . (B' - rho' d) / L^2, and the same for its rate.
@@ -216,7 +226,7 @@ def motion(task: ArrayLike, rates: ArrayLike, table: Table) -> SpatialMotion:
     bias = _solve(
         _rows(solved, table), -np.concatenate([along_bar + inward, sideways], axis=-1)[..., None]
     )[..., 0]
-    joint_bias = bias[..., None, :3] + np.cross(bias[..., None, 3:], arms) + centripetal
+    joint_bias = bias[..., None, :3] + rotation.cross(bias[..., None, 3:], arms) + centripetal
     turn_bias = np.einsum("...ki,...ki->...k", normal, joint_bias) / table.bar**2
     return _assemble(
         at, table, (solved.jacobian, bias, spin), (l, normal, turn_rows, turn, turn_bias)
@@ -250,7 +260,9 @@ def _assemble(at, table, platform, legs) -> SpatialMotion:  # type: ignore[no-un
     arm = np.einsum("...ij,j->...i", at.rotation, np.array(table.platform_centre))
     jacobian[..., 3, :3, :] = _point(twist_rows, arm)
     drift[..., 3, :3] = (
-        bias[..., :3] + np.cross(bias[..., 3:], arm) + np.cross(spin, np.cross(spin, arm))
+        bias[..., :3]
+        + rotation.cross(bias[..., 3:], arm)
+        + rotation.cross(spin, rotation.cross(spin, arm))
     )
     into_body = np.swapaxes(at.rotation, -1, -2)
     jacobian[..., 3, 3:, :] = into_body @ twist_rows[..., 3:, :]
@@ -266,7 +278,7 @@ def _rows(solved: Twist, table: Table) -> Floats:
 
 def _point(twist_rows: Floats, arm: Floats) -> Floats:
     """Velocity rows (..., 3, n) of a point at ``arm`` (..., 3) from the reference point."""
-    turning = np.cross(np.swapaxes(twist_rows[..., 3:, :], -1, -2), arm[..., None, :])
+    turning = rotation.cross(np.swapaxes(twist_rows[..., 3:, :], -1, -2), arm[..., None, :])
     return np.asarray(twist_rows[..., :3, :] + np.swapaxes(turning, -1, -2))
 
 

@@ -4,7 +4,7 @@ from typing import Any
 
 from pydrake.systems.framework import LeafSystem
 
-from ...models.parallel.machine import ParallelMachine, joint_motion
+from ...models.parallel.machine import ParallelMachine, joint_motion, joint_rate
 from .. import scalars
 
 
@@ -45,7 +45,7 @@ class InverseKinematics(LeafSystem):
 
     def _rate(self, context: Any, output: Any) -> None:
         x, v = (scalars.signal(self, context, name) for name in ("position", "velocity"))
-        output.SetFromVector(joint_motion(self.machine, x, v, 0.0 * v)[1])
+        output.SetFromVector(joint_rate(self.machine, self.machine.inverse(x), v))
 
     def _acceleration(self, context: Any, output: Any) -> None:
         names = ("position", "velocity", "acceleration")

@@ -13,9 +13,9 @@ class PathSource(LeafSystem):
 
     | port | size | unit |
     |---|---|---|
-    | out `position`     | 2 | m |
-    | out `velocity`     | 2 | m/s |
-    | out `acceleration` | 2 | m/s^2 |
+    | out `position`     | n | m or rad, task coordinates |
+    | out `velocity`     | n | the same per s |
+    | out `acceleration` | n | the same per s^2 |
 
     No state; the outputs are functions of the Context's time.
     """
@@ -23,9 +23,10 @@ class PathSource(LeafSystem):
     def __init__(self, path: Path) -> None:
         LeafSystem.__init__(self)
         self.path = path
+        size = np.size(path.sample(0.0)[0])
         for order, name in enumerate(("position", "velocity", "acceleration")):
             self.DeclareVectorOutputPort(
-                name, 2, self._derivative(order), prerequisites_of_calc={self.time_ticket()}
+                name, size, self._derivative(order), prerequisites_of_calc={self.time_ticket()}
             )
 
     def _derivative(self, order: int) -> Any:

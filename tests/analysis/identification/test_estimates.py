@@ -55,7 +55,7 @@ def test_completions_are_as_many_as_printed(two_prr):
     base, _, _ = study.structure(m, 0)
     truth = np.concatenate([m.truth(0), m.coulomb, m.viscous])
     w = m.full_regressor(*m.random_states(50, 0)).reshape(-1, len(m.names))
-    data = measurement.Regression(w, w @ truth, np.tile([0, 1], 50))
+    data = measurement.Regression(w, w @ truth, np.tile([0, 1], 50), np.repeat(np.arange(50.0), 2))
     found = estimate.complete(m, base, base.combination @ truth, data)
     assert (found.total, found.usable) == (210, 64)
 

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from gapscope.analysis.mechatronic import mast_bandwidth, mast_report
-from gapscope.analysis.mechatronic.mast_bandwidth import PRINTED, Gains
+from gapscope.analysis.mechatronic.mast_bandwidth import PRINTED
 from gapscope.models import servo_kernels
 from gapscope.models.belt_axis import IDENTIFIED, MANUFACTURER
+from gapscope.models.belt_control import Gains
 from gapscope.models.servo_kernels import Axes
 
 

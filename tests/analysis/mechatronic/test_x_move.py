@@ -3,9 +3,9 @@
 import pytest
 
 from gapscope.analysis.mechatronic import x_move
-from gapscope.analysis.mechatronic.five_bar_run import GAINS, HEIGHT, PATHS
+from gapscope.diagrams.five_bar_loop import GAINS, HEIGHT, MOTIONS
 
-PATH, GAIN = PATHS["x-move"], GAINS["x-move"]
+PATH, GAIN = MOTIONS["x-move"], GAINS["x-move"]
 
 
 def test_lag_of_the_position_loop_explains_the_diagram_s_deviation():
