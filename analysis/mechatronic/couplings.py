@@ -79,7 +79,8 @@ def compare(
     name: str, loop: ServoLoop, path: ToolPath, ratio: float, *, own: bool, seconds: float = SECONDS
 ) -> Row:
     """Run both couplings, at the loop's step and at half of it; InputError where the plant does not hold."""
-    apart, error = [], 0.0
+    apart: list[float | None] = []
+    error = 0.0
     for step in (loop.step, 0.5 * loop.step):
         fine = replace(loop, step=step)
         plant = simulate(replace(fine, coupling=Coupling.plant), path, name, seconds=seconds)

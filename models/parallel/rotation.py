@@ -25,7 +25,8 @@ for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
 
 def cross(a: ArrayLike, b: ArrayLike) -> Floats:
     """Product a x b (..., 3) of vectors, for single ones in a tenth of the time of ``numpy.cross``."""
-    return np.asarray(np.einsum("ijk,...j,...k->...i", PERMUTATIONS, a, b))
+    left, right = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
+    return np.asarray(np.einsum("ijk,...j,...k->...i", PERMUTATIONS, left, right))
 
 
 def platform(psi: ArrayLike, theta: ArrayLike, phi: ArrayLike) -> Floats:
