@@ -54,7 +54,7 @@ def decide(ranking: Sequence[Ranked], retuned: Ranked, floor: float) -> Verdict:
             )
         return Verdict(
             verdict="unexplained",
-            reason=f"The retuned model is {ratio:.1f} x the noise floor away, but no known effect "
+            reason=f"The retuned model is {_times(ratio)} x the noise floor away, but no known effect "
             "removes a significant part of that.",
             accepted=None,
             rivals=(),
@@ -66,8 +66,7 @@ def decide(ranking: Sequence[Ranked], retuned: Ranked, floor: float) -> Verdict:
         return Verdict(
             verdict="unexplained",
             reason=f"The best hypothesis, {label}, removes only {100 * (removed or 0):.0f} % of the "
-            f"gap between the retuned model ({ratio:.1f} x the floor) and the floor; "
-            f"{100 * least:.0f} % are asked.",
+            f"{_above(ratio)}; {100 * least:.0f} % are asked.",
             accepted=None,
             rivals=tuple(ranking[:2]),
             removed=removed,
@@ -84,12 +83,24 @@ def decide(ranking: Sequence[Ranked], retuned: Ranked, floor: float) -> Verdict:
         )
     return Verdict(
         verdict="explained",
-        reason=f"{label} removes {100 * removed:.0f} % of the gap between the retuned model "
-        f"({ratio:.1f} x the floor) and the floor on held-out runs.",
+        reason=f"{label} removes {100 * removed:.0f} % of the {_above(ratio)}.",
         accepted=best,
         rivals=(),
         removed=removed,
     )
+
+
+def _above(ratio: float) -> str:
+    """What a hypothesis removes a share of, ``ratio`` times the floor: not what ``Shrinkage.percent`` is of."""
+    return (
+        f"retuned model's prediction error above the floor ({_times(ratio)} x it), on parts of the fit runs "
+        "held out in turn"
+    )
+
+
+def _times(ratio: float) -> str:
+    """A ratio to the floor: one decimal, or three digits."""
+    return f"{ratio:.1f}" if ratio < 99.95 else f"{float(f'{ratio:.3g}'):.0f}"
 
 
 def _smallest_likely(ranking: Sequence[Ranked]) -> Ranked:
@@ -214,7 +225,7 @@ def confirmed(verdict: Verdict, held_out: Shrinkage) -> Verdict:
     if verdict.accepted is None:
         hidden = verdict.verdict in ("no_gap", "explained") and before > GAP_RATIO
         reason = (
-            f"The validation runs hold a gap ({before:.1f} x the floor) that the fit runs do not "
+            f"The validation runs hold a gap ({_times(before)} x the floor) that the fit runs do not "
             "show well enough to tell its cause."
         )
     else:
@@ -226,7 +237,7 @@ def confirmed(verdict: Verdict, held_out: Shrinkage) -> Verdict:
         hidden = verdict.verdict == "explained" and far
         reason = (
             f"On the validation runs {verdict.accepted.fit.hypothesis.label} still leaves "
-            f"{after:.1f} x the floor ({before:.1f} x before; {NEAR_FLOOR} x at most are asked): "
+            f"{_times(after)} x the floor ({_times(before)} x before; {NEAR_FLOOR} x at most are asked): "
             "something else acts as well, or instead."
         )
     if not hidden:

@@ -63,7 +63,10 @@ def read_machine(logset: LogSet) -> tuple[Machine, list[RunData]]:
     """Nominal machine of a log set and its runs; InputError names an unknown kind or bad key."""
     if logset.kind not in KINDS:
         raise InputError(
-            logset.folder, f"system.kind is {logset.kind!r}", f"one of {', '.join(sorted(KINDS))}"
+            logset.folder / FILE,
+            f"system.kind is {logset.kind!r}",
+            f"one of {', '.join(sorted(KINDS))}",
+            "State what the machine is there, and its constants under system.nominal.",
         )
     if logset.uneven and logset.kind not in UNEVEN:
         raise InputError(

@@ -140,7 +140,7 @@ def _row(d: Named) -> dict[str, Any]:
         "kind": d.content["verdict"],
         "verdict": VERDICTS[d.content["verdict"]],
         "confidence": "" if strongest is None else confidence(strongest),
-        "percent": "–" if s.get("percent") is None else f"{s['percent']:.0f} %",
+        "percent": "–" if s.get("percent") is None else f"{s['percent']:.1f} %",
         "interval": "" if not s.get("ci95") else interval(s["ci95"], "%"),
         "metric": s.get("metric", ""),
         "levels": [

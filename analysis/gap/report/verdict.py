@@ -143,7 +143,8 @@ def _confidence(d: Diagnosis) -> str:
     removed = d.verdict.removed
     return (
         f"The best hypothesis tried, {d.ranking[0].fit.hypothesis.label}, removes "
-        f"{percent(max(removed, 0.0)) if removed is not None else 'none'} of the gap; "
+        f"{percent(max(removed, 0.0)) if removed is not None else 'none'} of the retuned "
+        f"model's error above the floor; "
         f"{percent(LEAST_REMOVED)} are asked before it is believed."
     )
 
@@ -175,7 +176,7 @@ def _confidence_in(accepted: Ranked, d: Diagnosis) -> str:
 
 def _how_far(d: Diagnosis) -> str:
     s, unit = d.shrinkage, d.machine.effort_unit
-    start = "On held-out runs the rms unexplained effort "
+    start = "On the validation runs the rms unexplained effort "
     if s.percent is None or s.ci95 is None:
         return (
             f"{start}of the nominal model is {number(s.before, unit)}, at the noise floor of "
@@ -218,7 +219,7 @@ def _figures(d: Diagnosis) -> list[dict[str, str]]:
     if s.percent is not None and s.ci95 is not None:
         gone = {
             "label": "of the gap removed",
-            "value": f"{s.percent:.0f}\N{NO-BREAK SPACE}%",
+            "value": f"{s.percent:.1f}\N{NO-BREAK SPACE}%",
             "note": f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f}\N{NO-BREAK SPACE}%",
         }
     relative = [v / s.relative_to_command for v in (s.before, s.after, s.floor)]

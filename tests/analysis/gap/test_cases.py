@@ -46,7 +46,9 @@ def test_a_set_is_summarised_with_effect_shrinkage_and_cost(page):
 def test_a_set_that_cannot_be_read_is_listed_with_its_error_and_no_path(page):
     text, _, folder = page
     assert "| unknown | | not diagnosed | | | | |" in text
-    assert "Not diagnosed: unknown: system.kind is 'trampoline'; expected one of" in text
+    assert (
+        "Not diagnosed: unknown/logset.yaml: system.kind is 'trampoline'; expected one of" in text
+    )
     assert str(folder) not in text
 
 
