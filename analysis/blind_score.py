@@ -28,6 +28,8 @@ EXPLAINED, NO_GAP, UNEXPLAINED, AMBIGUOUS, FAILED = (
     "ambiguous",
     "failed",
 )
+# Effects whose true size counts along the torque, and the estimate against it.
+OPPOSED = frozenset({"load.bias"})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,7 +140,8 @@ def _comparable(
             mine = [entry for entry in true if entry[0].endswith(suffix)]
             theirs = [value["value"] for _, value in estimates if value.get("unit") == unit]
             if len(mine) == len(theirs) == 1:
-                pairs.append((effect["id"], mine[0][0], float(mine[0][1]), float(theirs[0])))
+                sign = -1.0 if effect["id"] in OPPOSED else 1.0
+                pairs.append((effect["id"], mine[0][0], float(mine[0][1]), sign * theirs[0]))
     return pairs
 
 

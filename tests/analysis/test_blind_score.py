@@ -167,7 +167,7 @@ def test_parameter_errors_compare_what_is_alone_with_its_unit():
         true={BIAS: {"torque_Nm": 0.2, "where": "left", "level_rad": 1.0, "mass_kg": 0.0}},
         found={
             BIAS: {
-                "load": {"value": 0.22, "ci95": [0.2, 0.24], "unit": "N m"},
+                "load": {"value": -0.22, "ci95": [-0.24, -0.2], "unit": "N m"},
                 "left": {"value": 1.0, "unit": "rad"},
                 "right": {"value": 3.0, "unit": "rad"},
                 "mass": {"value": 3.0, "unit": "kg"},
@@ -178,7 +178,7 @@ def test_parameter_errors_compare_what_is_alone_with_its_unit():
     assert list(errors) == [
         f"{BIAS} torque_Nm"
     ]  # two angles, and a true mass of none, are left out
-    assert errors[f"{BIAS} torque_Nm"].value == pytest.approx(0.1)
+    assert errors[f"{BIAS} torque_Nm"].value == pytest.approx(0.1)  # a load opposes the torque
 
 
 def test_the_report_states_use_targets_and_mistakes(tmp_path):
