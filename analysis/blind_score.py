@@ -77,12 +77,15 @@ def outcome(answer: dict[str, Any], result: dict[str, Any]) -> Outcome:
     verdict = FAILED if error is not None else verdict
     ranking = diagnosis.get("ranking") or []
     ranked = [frozenset(entry["ids"]) for entry in ranking]
-    accepted = frozenset(effect["id"] for effect in diagnosis.get("effects") or [])
+    effects = diagnosis.get("effects") or []
+    accepted = frozenset(effect["id"] for effect in effects)
+    # What is wrong with the signals is found before the ranking and belongs to each of its hypotheses.
+    found = frozenset(effect["id"] for effect in effects if "evidence" in effect)
     first = {
         EXPLAINED: accepted,
         NO_GAP: frozenset(),
         UNEXPLAINED: UNKNOWN,
-        AMBIGUOUS: ranked[0] if ranked else UNKNOWN,
+        AMBIGUOUS: ranked[0] | found if ranked else UNKNOWN,
         FAILED: frozenset({FAILED}),
     }[verdict]
     shares = [v for k, v in answer["strength"].items() if k != "all"] or [answer["strength"]["all"]]
@@ -96,8 +99,8 @@ def outcome(answer: dict[str, Any], result: dict[str, Any]) -> Outcome:
         strength=answer["strength"]["all"],
         verdict=verdict,
         first=first,
-        named=tuple([first, *(r for r in ranked if r != first)][:2]),
-        confidence=_confidence(diagnosis, first, ranking)
+        named=tuple([first, *(r | found for r in ranked if r | found != first)][:2]),
+        confidence=_confidence(diagnosis, first - found if verdict == AMBIGUOUS else first, ranking)
         if verdict in (EXPLAINED, AMBIGUOUS)
         else None,
         shrinkage=(diagnosis.get("shrinkage") or {}).get("percent"),

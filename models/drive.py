@@ -32,7 +32,8 @@ from . import control, friction, runge_kutta
     WIDTH,  # smoothing of the sign [rad/s or m/s]
     STIFFNESS,  # presliding stiffness, 0 for the smoothed sign [N m/rad or N/m]
     FADE,  # rate at which the element's sliding friction dies away with time [1/s]
-) = range(9)
+    STRIBECK_EXPONENT,  # shape of the decay from breakaway, a number and never a variable [-]
+) = range(10)
 
 # Columns of ``Drive.shaft``, the constants of a shaft and its actuator.
 (
@@ -64,7 +65,7 @@ class Drive(NamedTuple):
 
     inertia_inverse: Any  # (n, n) inverse of M [1/(kg m^2) or 1/kg]
     elements: Any  # (m, n) E, speed of each friction element per shaft speed [-]
-    element: Any  # (m, 9) constants of the friction elements, columns above
+    element: Any  # (m, 10) constants of the friction elements, columns above
     shaft: Any  # (n, 11) constants of the shafts, columns above
     coupling: Any  # (c, 5) flexible couplings between two shafts, columns above
 
@@ -76,9 +77,10 @@ class Drive(NamedTuple):
 def ideal_drive(inertia: Any, elements: Any, viscous: Any, width: float) -> Drive:
     """Drive with viscous friction only, from M (n, n), E (m, n), coefficients (m,) and sign width."""
     m, n = np.shape(elements)
-    element = np.zeros((m, 9))
+    element = np.zeros((m, 10))
     element[:, VISCOUS] = viscous
     element[:, STRIBECK_SPEED] = 10.0 * width
+    element[:, STRIBECK_EXPONENT] = 2.0
     element[:, WIDTH] = width
     shaft = np.zeros((n, 11))
     shaft[:, RIPPLE_WAVENUMBER] = 1.0
@@ -148,7 +150,10 @@ def net_torque(q: Any, v: Any, held: Any, torque: Any, t: Any, drive: Drive, out
             peak = 0.0 * speed
             if drive.element[i, BREAKAWAY] != 0.0:
                 peak = friction.stribeck_peak(
-                    speed, drive.element[i, BREAKAWAY], drive.element[i, STRIBECK_SPEED]
+                    speed,
+                    drive.element[i, BREAKAWAY],
+                    drive.element[i, STRIBECK_SPEED],
+                    drive.element[i, STRIBECK_EXPONENT],
                 )
             force += friction.sliding(
                 speed,
@@ -197,7 +202,10 @@ def held_friction(v: Any, z: Any, dt: float, drive: Drive, out: Any) -> None:
             level = drive.element[i, FORWARD] if speed > 0.0 else drive.element[i, BACKWARD]
             if drive.element[i, BREAKAWAY] != 0.0:  # LuGre's g(v)
                 level += friction.stribeck_peak(
-                    speed, drive.element[i, BREAKAWAY], drive.element[i, STRIBECK_SPEED]
+                    speed,
+                    drive.element[i, BREAKAWAY],
+                    drive.element[i, STRIBECK_SPEED],
+                    drive.element[i, STRIBECK_EXPONENT],
                 )
             after = friction.bristle_step(speed, z[i], drive.element[i, STIFFNESS], level, dt)
             out[i] = 0.5 * drive.element[i, STIFFNESS] * (z[i] + after)

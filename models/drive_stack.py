@@ -21,7 +21,7 @@ def sizes(plant: Drive) -> Sizes:
 
 
 STAGES = stack.axis(2)
-ELEMENT_COLUMNS, SHAFT_COLUMNS, COUPLING_COLUMNS = stack.axis(9), stack.axis(11), stack.axis(5)
+ELEMENT_COLUMNS, SHAFT_COLUMNS, COUPLING_COLUMNS = stack.axis(10), stack.axis(11), stack.axis(5)
 
 
 @compilation.inlined

@@ -51,14 +51,16 @@ def dry(
     breakaway: Scalar,
     stribeck_speed: Scalar,
     width: Scalar,
+    exponent: float = 2.0,
 ) -> Scalar:
     """Dry friction with its own level in each direction and an optional Stribeck peak.
 
     ``forward`` and ``backward`` are the levels at high speed, ``breakaway`` (>= 0) is what the level
-    has on top of them at standstill, and ``stribeck_speed`` how fast that decays. With equal levels
-    and no breakaway this is the smoothed Coulomb law of eq. (2.6c).
+    has on top of them at standstill, ``stribeck_speed`` how fast that decays, ``exponent`` in which shape. With
+    equal levels and no breakaway this is the smoothed Coulomb law of eq. (2.6c).
     """
-    return sliding(v, forward, backward, stribeck_peak(v, breakaway, stribeck_speed), width)
+    peak = stribeck_peak(v, breakaway, stribeck_speed, exponent)
+    return sliding(v, forward, backward, peak, width)
 
 
 def sliding(v: Scalar, forward: Scalar, backward: Scalar, peak: Scalar, width: Scalar) -> Scalar:
@@ -68,10 +70,17 @@ def sliding(v: Scalar, forward: Scalar, backward: Scalar, peak: Scalar, width: S
     return mean * step + 0.5 * (forward - backward) * step * step
 
 
-def stribeck_peak(v: Scalar, breakaway: Scalar, stribeck_speed: Scalar) -> Scalar:
-    """What the level at speed ``v`` has on top of that at high speed, (4)."""
+def stribeck_peak(
+    v: Scalar, breakaway: Scalar, stribeck_speed: Scalar, exponent: float = 2.0
+) -> Scalar:
+    """What the level at speed ``v`` has on top of that at high speed, (4).
+
+    ``exponent`` (Bo and Pavelescu 1982) is 2 for the Gaussian decay, 1 for Tustin's.
+    """
     ratio = v / stribeck_speed
-    return breakaway * np.exp(-ratio * ratio)
+    if exponent == 2.0:
+        return breakaway * np.exp(-ratio * ratio)
+    return breakaway * np.exp(-(np.abs(ratio) ** exponent))
 
 
 def bristle_rate(v: Scalar, deflection: Scalar, stiffness: Scalar, level: Scalar) -> Scalar:

@@ -80,6 +80,8 @@ def DrivePlant_(T: Any) -> Any:
             )
             if T is not float:
                 element[:, drive_law.STIFFNESS] = 0.0
+                exponents = self.drive.element[:, drive_law.STRIBECK_EXPONENT]
+                element[:, drive_law.STRIBECK_EXPONENT] = exponents
                 _never_zero(
                     element,
                     (

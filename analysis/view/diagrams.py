@@ -78,20 +78,21 @@ def _pmc(controller: str) -> Callable[[], Any]:
     return build
 
 
-def _five_bar(scheme: str, **settings: Any) -> Callable[[], Any]:
+def _servo(machine: str, scheme: str, **settings: Any) -> Callable[[], Any]:
     def build() -> Any:
-        from ...diagrams.five_bar_loop import FiveBarLoop, Scheme
-        from ...diagrams.five_bar_loop import build as loop
-        from ..mechatronic.five_bar_run import PATHS
+        from ...diagrams.servo_loop import Scheme
+        from ...diagrams.servo_loop import build as loop
+        from ..mechatronic.servo_machines import motion, servo_machine
 
         made = {key: value() for key, value in settings.items()}
-        return loop(FiveBarLoop(scheme=Scheme(scheme), **made), PATHS["circle"])
+        chosen = servo_machine(machine)
+        return loop(chosen.loop(scheme=Scheme(scheme), **made), motion(chosen, None)[1])
 
     return build
 
 
 def _coupled() -> Any:
-    from ...diagrams.five_bar_loop import Coupling
+    from ...diagrams.servo_loop import Coupling
 
     return Coupling.plant
 
@@ -126,12 +127,16 @@ DIAGRAMS: dict[str, Callable[[], Any]] = {
     "pmc": _pmc("ts"),
     "pmc-pd": _pmc("pd"),
     "pmc-ct": _pmc("ct"),
-    "5r": _five_bar("joint-space"),
-    "5r-workspace": _five_bar("workspace"),
-    "5r-computed-torque": _five_bar("computed-torque"),
-    "5r-computed-torque-workspace": _five_bar("computed-torque-workspace"),
-    "5r-plant": _five_bar("joint-space", coupling=_coupled),
-    "5r-current-loop": _five_bar("joint-space", current_loop=_current_loop),
+    "5r": _servo("5r", "joint-space"),
+    "5r-workspace": _servo("5r", "workspace"),
+    "5r-computed-torque": _servo("5r", "computed-torque"),
+    "5r-computed-torque-workspace": _servo("5r", "computed-torque-workspace"),
+    "5r-plant": _servo("5r", "joint-space", coupling=_coupled),
+    "5r-current-loop": _servo("5r", "joint-space", current_loop=_current_loop),
+    "2prr": _servo("2prr", "joint-space"),
+    "replalink": _servo("replalink", "joint-space"),
+    "mast": _servo("mast", "joint-space"),
+    "3prs": _servo("3prs", "joint-space"),
     "mm3a": _mm3a,
     "stick-slip": _stick_slip,
 }

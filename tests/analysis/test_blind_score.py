@@ -37,7 +37,7 @@ def made(
     effects = [{"id": i, "parameters": more.get("found", {}).get(i, {})} for i in ids]
     diagnosis = {
         "verdict": verdict,
-        "effects": effects if verdict == "explained" else [],
+        "effects": (effects if verdict == "explained" else []) + more.get("findings", []),
         "ranking": ranking,
         "shrinkage": {"percent": 95.0},
     }
@@ -53,6 +53,17 @@ def test_what_each_verdict_names():
     assert made("off_library", "unknown", "unexplained").right
     twin = made("single", LAG, "ambiguous", DELAY, second=LAG, probability=0.5)
     assert (twin.right, twin.right_in_two, twin.claimed) == (False, True, False)
+    offset = [{"id": "sensor.offset", "parameters": {}, "evidence": "replayed"}]
+    twin = made(
+        "double",
+        (LAG, "sensor.offset"),
+        "ambiguous",
+        LAG,
+        second=DELAY,
+        probability=0.9,
+        findings=offset,
+    )
+    assert (twin.right, twin.claimed, twin.confidence) == (True, False, 0.9)
     pair = made("double", (BIAS, DRY), "explained", BIAS)
     assert (pair.right, pair.claimed) == (False, True)
     crashed = made("single", BIAS, "explained", BIAS, error="ValueError: x")

@@ -131,7 +131,7 @@ def test_derivative_by_a_context_parameter_is_the_finite_difference(parameters, 
     np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-7 * scale + 1e-6)
 
 
-SHAPES = {DrivePlant.ELEMENT: 9, DrivePlant.LOAD: 5, DrivePlant.INERTIA_INVERSE: 2}
+SHAPES = {DrivePlant.ELEMENT: 10, DrivePlant.LOAD: 5, DrivePlant.INERTIA_INVERSE: 2}
 
 
 def gradient(value):

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ....models import friction
-from ....models.drive import BREAKAWAY, STRIBECK_SPEED
+from ....models.drive import BREAKAWAY, STRIBECK_EXPONENT, STRIBECK_SPEED
 from ..machine import Parameter
 from .base import (
     DRY_FRICTION,
@@ -36,7 +36,7 @@ RESOLVED = 1.05
 
 
 def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
-    """Levels, what breakaway adds to them as a share, and the speed over which that decays.
+    """Levels, what breakaway adds to them as a share, and the speed over which that decays, in two shapes.
 
     With a smoothed sign or, where that is the best explanation, with bristles of a short travel (LuGre).
     """
@@ -56,6 +56,7 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
         shape: Parameter,
         law: Callable[[ShaftPlant, Values], None],
         falls: Callable[[Values], float],
+        exponent: float = 2.0,
     ) -> Form:
         def apply(plant: ShaftPlant, values: Values) -> None:
             law(plant, values)
@@ -63,6 +64,7 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
                 extra = values["breakaway_share"] * values.get(f"level_{e}", 0.0)
                 plant.drive.element[i, BREAKAWAY] += extra
                 plant.drive.element[i, STRIBECK_SPEED] = values["stribeck_speed"]
+                plant.drive.element[i, STRIBECK_EXPONENT] = exponent
 
         falling = Form(
             effect=EFFECT.id,
@@ -86,8 +88,10 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
         return replace(falling, amounts_to=amounts_to)
 
     width, travel = width_parameter(machine, scales), travel_parameter(machine, scales)
+    smooth = apply_smooth_sign(machine, scales)
     return [
-        form("Gaussian decay", width, apply_smooth_sign(machine, scales), fall),
+        form("Gaussian decay", width, smooth, fall),
+        form("exponential decay", width, smooth, lambda values: fall(values, 1.0), 1.0),
         form(
             "LuGre",
             travel,
@@ -97,11 +101,11 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
     ]
 
 
-def fall(values: Values) -> float:
+def fall(values: Values, exponent: float = 2.0) -> float:
     """How far the smoothed law (4) of ``friction`` falls from its peak to its sliding level, as a share of that."""
     width, decay = values["width"], values["stribeck_speed"]
     speed = np.linspace(0.0, 5.0 * max(width, decay), 2001)
-    law = friction.dry(speed, 1.0, 1.0, values["breakaway_share"], decay, width)
+    law = friction.dry(speed, 1.0, 1.0, values["breakaway_share"], decay, width, exponent)
     return float(max(law.max() - 1.0, 0.0))
 
 

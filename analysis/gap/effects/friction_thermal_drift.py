@@ -2,7 +2,15 @@
 
 import numpy as np
 
-from ....models.drive import BACKWARD, FADE, FORWARD, STRIBECK_SPEED, VISCOUS, WIDTH
+from ....models.drive import (
+    BACKWARD,
+    FADE,
+    FORWARD,
+    STRIBECK_EXPONENT,
+    STRIBECK_SPEED,
+    VISCOUS,
+    WIDTH,
+)
 from .base import (
     RARE,
     Effect,
@@ -41,7 +49,8 @@ def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
         cold[:, VISCOUS] = left * values.get("cold_viscous_share", 0.0)
         cold[:, VISCOUS] *= plant.drive.element[:, VISCOUS]
         cold[:n, [FORWARD, BACKWARD]] = left * values.get("cold_level", 0.0)
-        cold[:, STRIBECK_SPEED] = plant.drive.element[:, STRIBECK_SPEED]
+        for column in (STRIBECK_SPEED, STRIBECK_EXPONENT):
+            cold[:, column] = plant.drive.element[:, column]
         cold[:, WIDTH] = values["width"]
         cold[:, FADE] = 1.0 / values["warm_up"]
         plant.drive = plant.drive._replace(
