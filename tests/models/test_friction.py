@@ -31,6 +31,12 @@ def test_stribeck_peak_is_above_the_sliding_level():
     assert peak == pytest.approx(1.0 + 0.5 * np.exp(-0.09), rel=1e-12)
 
 
+def test_stribeck_peak_may_decay_exponentially():
+    for v in (0.3, -0.3):
+        peak = friction.dry(v, 1.0, 1.0, 0.5, 1.5, 0.01, 1.0)
+        assert abs(peak) == pytest.approx(1.0 + 0.5 * np.exp(-0.2), rel=1e-12)
+
+
 @pytest.mark.parametrize("v", [0.7, -0.7])
 def test_bristles_settle_at_the_level_and_step_exactly(v):
     stiffness, level = 100.0, 0.3

@@ -1,5 +1,6 @@
 """Every form of the catalogue: no effect at zero, a visible one away from it, a place that exists."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from gapscope.analysis.blind_machine import write_case
 from gapscope.analysis.gap.effects import catalogue
-from gapscope.analysis.gap.effects.two_inertia import split
+from gapscope.analysis.gap.effects.two_inertia import ON_LOAD, split
 from gapscope.analysis.gap.fitting import fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
@@ -96,6 +97,25 @@ def test_every_form_predicts_a_slider_where_a_search_moves_it(cold_slider):
             values[moved.name] += 1e-3 * moved.scale
             found = residual((machine, predictor, forms), form, values)
             assert np.max(np.abs(found)) < 0.01 * np.ptp(runs[0].position), (form.name, moved.name)
+
+
+def test_encoders_behind_a_spring_are_predicted_by_their_own_form_alone(cold_slider):
+    machine, runs, _ = cold_slider
+    plants = {}
+    for form in machine.forms(runs):
+        if form.effect == "transmission.compliance":
+            plant = machine.build(machine.nominal())
+            form.apply(
+                plant, {"compliance": 2e-7, "motor_share": 0.5, "damping_ratio": 0.1}
+            )  # a resonance near 50 Hz
+            plants[form.name] = plant.finished()
+    position, command = machine.simulate(
+        replace(runs[0], lsb=0.0), plants["two inertias" + ON_LOAD]
+    )
+    logged = replace(runs[0], position=position, command=command)
+    size = {name: np.abs(machine.predict(logged, plant)).max() for name, plant in plants.items()}
+    assert size["two inertias" + ON_LOAD] < 1e-9
+    assert size["two inertias"] > 1e-6
 
 
 def test_warm_up_is_recovered_from_runs_minutes_apart(cold_slider):

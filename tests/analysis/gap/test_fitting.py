@@ -2,10 +2,12 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
-from gapscope.analysis.gap.fitting import fit
+from gapscope.analysis.gap.fitting import _held_out, fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
@@ -25,3 +27,24 @@ def test_a_prediction_that_runs_away_is_bounded_and_does_not_converge(nominal_lo
     assert not found.converged
     assert np.all(np.abs(found.residual) <= DIVERGED * predictor.spread)
     json.dumps([found.rms, found.held_out_rms], allow_nan=False)
+
+
+def test_a_step_without_a_run_is_shortened_until_it_fits_the_others():
+    """The first run holds the value at zero; the others ask for 0.22, and a whole step overshoots to 0.4."""
+
+    def residuals(x, which=range(3)):
+        laws = [10.0 * x[0], np.exp(5.0 * x[0]) - 3.0, np.exp(5.0 * x[0]) - 3.0]
+        return [np.full((4, 1), laws[i]) for i in which]
+
+    problem = SimpleNamespace(
+        predictor=SimpleNamespace(runs=list(range(3))),
+        lower=np.array([-1e3]),
+        upper=np.array([1e3]),
+        runs=lambda points, runs=None: [
+            residuals(x, range(3) if runs is None else runs) for x in points
+        ],
+    )
+    x = np.zeros(1)
+    jacobian = np.repeat([10.0, 5.0, 5.0], 4)[:, None]
+    found = _held_out(problem, residuals(x), jacobian, x, np.zeros(1, dtype=bool))
+    assert found[0] == pytest.approx(np.full((4, 1), 2.0), rel=1e-3)
