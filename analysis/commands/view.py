@@ -59,7 +59,10 @@ def view(
         from ..view.skeletons import skeleton
 
         slide(
-            skeleton(machine), lambda url: typer.echo(f"{machine} at {url}; Escape there ends it")
+            skeleton(machine),
+            lambda url: typer.echo(
+                f"{machine} at {url}; sliders under Open Controls, Escape there ends it"
+            ),
         )
         return
     path = out or Path("out") / default

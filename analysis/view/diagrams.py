@@ -8,6 +8,9 @@ from typing import Any
 
 from ..errors import InputError
 
+PARALLEL = ("5r", "replalink", "2prr", "mast", "3prs")
+SCHEMES = ("workspace", "computed-torque", "computed-torque-workspace")
+
 
 def diagram(name: str) -> Any:
     """The Drake diagram of this name, or what ``FILE.py:FUNCTION`` returns.
@@ -78,29 +81,24 @@ def _pmc(controller: str) -> Callable[[], Any]:
     return build
 
 
-def _servo(machine: str, scheme: str, **settings: Any) -> Callable[[], Any]:
-    def build() -> Any:
-        from ...diagrams.servo_loop import Scheme
-        from ...diagrams.servo_loop import build as loop
-        from ..mechatronic.servo_machines import motion, servo_machine
+def _servo(name: str, **settings: str) -> Callable[[], Any]:
+    """The servo loop of a parallel machine on the first of its motions."""
 
-        made = {key: value() for key, value in settings.items()}
-        chosen = servo_machine(machine)
-        return loop(chosen.loop(scheme=Scheme(scheme), **made), motion(chosen, None)[1])
+    def build() -> Any:
+        from ...diagrams import servo_loop
+        from ..mechatronic.servo_machines import servo_machine
+
+        machine = servo_machine(name)
+        return servo_loop.build(machine.loop(**settings), next(iter(machine.motions.values())))
 
     return build
 
 
-def _coupled() -> Any:
-    from ...diagrams.servo_loop import Coupling
-
-    return Coupling.plant
-
-
 def _current_loop() -> Any:
+    from ...diagrams.five_bar_loop import MOTIONS, FiveBarLoop, build
     from ...systems.servo.current_loop import CurrentLoop
 
-    return CurrentLoop()
+    return build(FiveBarLoop(current_loop=CurrentLoop()), MOTIONS["circle"])
 
 
 def _mm3a() -> Any:
@@ -127,16 +125,10 @@ DIAGRAMS: dict[str, Callable[[], Any]] = {
     "pmc": _pmc("ts"),
     "pmc-pd": _pmc("pd"),
     "pmc-ct": _pmc("ct"),
-    "5r": _servo("5r", "joint-space"),
-    "5r-workspace": _servo("5r", "workspace"),
-    "5r-computed-torque": _servo("5r", "computed-torque"),
-    "5r-computed-torque-workspace": _servo("5r", "computed-torque-workspace"),
-    "5r-plant": _servo("5r", "joint-space", coupling=_coupled),
-    "5r-current-loop": _servo("5r", "joint-space", current_loop=_current_loop),
-    "2prr": _servo("2prr", "joint-space"),
-    "replalink": _servo("replalink", "joint-space"),
-    "mast": _servo("mast", "joint-space"),
-    "3prs": _servo("3prs", "joint-space"),
+    **{name: _servo(name) for name in PARALLEL},
+    **{f"{name}-{scheme}": _servo(name, scheme=scheme) for name in PARALLEL for scheme in SCHEMES},
+    **{f"{name}-plant": _servo(name, coupling="plant") for name in PARALLEL},
+    "5r-current-loop": _current_loop,
     "mm3a": _mm3a,
     "stick-slip": _stick_slip,
 }
