@@ -18,17 +18,20 @@ amounts there [rad or m], and grip is the friction over that arm's weight.
 """
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...models import chang_li
+from ...models.mm3a import dynamics, kinematics, step_size
+from ...models.mm3a.arm import STANDARD_GRAVITY, Arm
 from .machine import Array
 
 if TYPE_CHECKING:
     from .step_machine import MoveRun
 
 PRISMATIC = 2  # index of the joint that slides
+LIGHTEST = 0.1  # inertia that is left at least, whatever a negative mass on the tip takes off
 HOLDS = 0.95  # load over friction from which (1) is kept: beyond it the contact holds nothing
 
 
@@ -50,6 +53,7 @@ class SlipTerms:
     swing: Array = field(default_factory=_sides)  # w retracted, extended [rad or m]
     swing_load: Array = field(default_factory=lambda: np.zeros((3, 2, 2)))  # w_s by side, then end
     flyback: Array = field(default_factory=_sides)  # c [rad or m]
+    flyback_grip: Array = field(default_factory=lambda: np.full(3, np.inf))  # as grip, in (4) [-]
     frame: float = 0.0  # R, stroke lost at cos q2 = 1 [m]
     compliance: float = 0.0  # f, of the frame over that of the stack [-]
     warming: Array = field(default_factory=_joints)  # w [rad or m]
@@ -58,18 +62,47 @@ class SlipTerms:
     reversal_load: Array = field(default_factory=_sides)  # r_p [rad or m]
 
 
+def burden(
+    posture: tuple[Array, Array, Array], gravity: Array, force: Array, joint: int, arm: Arm
+) -> dict[str, Any]:
+    """Load and inertia of a joint over those of the level, retracted arm in 1 g, and what a kg on the tip adds.
+
+    Arrays like those of ``posture``, by the name of their field of ``MoveRun``.
+    """
+    level, up = (*step_size.LEVEL, arm.lower_3), STANDARD_GRAVITY
+    weight = (
+        up * dynamics.moment_1(level, arm),
+        up * dynamics.moment_2(level, arm),
+        up * arm.mass_3,
+    )
+    load = dynamics.static_load(posture, gravity, force, arm)[joint]
+    heavier = dynamics.static_load(posture, gravity, force + gravity, arm)[joint]
+    inertia = dynamics.mass_diagonal(posture, arm)[joint]
+    added = sum(np.square(row[joint]) for row in kinematics.jacobian(posture, arm))
+    reference = float(dynamics.mass_diagonal(level, arm)[joint])
+    nothing = np.zeros_like(posture[0])
+    return {
+        "pull": load / weight[joint] + nothing,
+        "pull_per_kg": (heavier - load) / weight[joint] + nothing,
+        "inertia": inertia / reference + nothing,
+        "inertia_per_kg": added / reference + nothing,
+    }
+
+
 def step_change(run: "MoveRun", terms: SlipTerms, warm_up: float) -> Array:
     """Change (2) to (6) of a step along every move, (moves, nodes) [rad or m]."""
     j = run.joint
     change = np.full_like(run.pull, terms.day.get((run.session, j), 0.0))
     change += (terms.warming[j] * (1.0 - np.exp(-run.t / warm_up)))[:, None]
     if np.any(terms.flyback[j]):
-        change -= terms.flyback[j, run.side][:, None] * _loss(run, terms, 0.0)
+        change -= terms.flyback[j, run.side][:, None] * _loss(run, terms.flyback_grip, 0.0)
     if j == PRISMATIC and terms.frame:
         square = np.cos(run.elbow) ** 2
         change -= terms.frame * (1 + terms.compliance) * square / (1 + terms.compliance * square)
     if terms.mass:
-        change += terms.fallback[j] * (_loss(run, terms, 0.0) - _loss(run, terms, terms.mass))
+        change += terms.fallback[j] * (
+            _loss(run, terms.grip, 0.0) - _loss(run, terms.grip, terms.mass)
+        )
         change += _swing(run, terms)
     return change
 
@@ -82,16 +115,16 @@ def reversal_gain(run: "MoveRun", terms: SlipTerms) -> Array:
     return np.asarray(gain * run.reverses / run.inertia.mean(axis=1))
 
 
-def _ratio(run: "MoveRun", terms: SlipTerms, mass: float) -> Array:
+def _ratio(run: "MoveRun", grip: Array, mass: float) -> Array:
     """Load over friction x, positive where it opposes the move."""
     load = (run.pull + mass * run.pull_per_kg) * (2.0 * run.side - 1.0)[:, None]
-    return np.asarray(np.clip(load / terms.grip[run.joint], -HOLDS, HOLDS))
+    return np.asarray(np.clip(load / grip[run.joint], -HOLDS, HOLDS))
 
 
-def _loss(run: "MoveRun", terms: SlipTerms, mass: float) -> Array:
+def _loss(run: "MoveRun", grip: Array, mass: float) -> Array:
     """Fallback (1) over B."""
-    inertia = run.inertia + mass * run.inertia_per_kg
-    return np.asarray(chang_li.loss_factor(_ratio(run, terms, mass)) / inertia)
+    inertia = np.maximum(run.inertia + mass * run.inertia_per_kg, LIGHTEST)
+    return np.asarray(chang_li.loss_factor(_ratio(run, grip, mass)) / inertia)
 
 
 def _swing(run: "MoveRun", terms: SlipTerms) -> Array:

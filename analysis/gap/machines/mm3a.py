@@ -29,11 +29,12 @@ from typing import Any
 
 import numpy as np
 
-from ....models.mm3a import dynamics, kinematics, step_size
-from ....models.mm3a.arm import STANDARD_GRAVITY, Arm, gravity_in_base
+from ....models.mm3a import step_size
+from ....models.mm3a.arm import Arm, gravity_in_base
 from ...errors import InputError
 from ..logset import FILE, LogSet, Run
 from ..machine import Array, RunData, own_parameter, rms
+from ..slip_terms import burden
 from ..step_machine import (
     FEWEST_REPEATS,
     LAW_MISFIT,
@@ -210,32 +211,8 @@ def _run(logset: LogSet, run: Run, machine: StepMachine) -> MoveRun:
         extension=(along[:, 2] - machine.arm.lower_3) / (machine.arm.upper_3 - machine.arm.lower_3),
         load=load + np.zeros_like(along[:, 1]), load_per_kg=heavier - load + np.zeros_like(along[:, 1]),
         reverses=reverses, start_position=q[:, joint], expected=np.ones(len(steps)),
-        **_burden(posture, gravity, force, joint, machine.arm),
+        **burden(posture, gravity, force, joint, machine.arm),
     )  # fmt: skip
-
-
-def _burden(
-    posture: tuple[Array, Array, Array], gravity: Array, force: Array, joint: int, arm: Arm
-) -> dict[str, Any]:
-    """Load and inertia of a joint over those of the level, retracted arm in 1 g, and what a kg on the tip adds."""
-    level, up = (*step_size.LEVEL, arm.lower_3), STANDARD_GRAVITY
-    weight = (
-        up * dynamics.moment_1(level, arm),
-        up * dynamics.moment_2(level, arm),
-        up * arm.mass_3,
-    )
-    load = dynamics.static_load(posture, gravity, force, arm)[joint]
-    heavier = dynamics.static_load(posture, gravity, force + gravity, arm)[joint]
-    inertia = dynamics.mass_diagonal(posture, arm)[joint]
-    added = sum(np.square(row[joint]) for row in kinematics.jacobian(posture, arm))
-    reference = float(dynamics.mass_diagonal(level, arm)[joint])
-    nothing = np.zeros_like(posture[0])
-    return {
-        "pull": load / weight[joint] + nothing,
-        "pull_per_kg": (heavier - load) / weight[joint] + nothing,
-        "inertia": inertia / reference + nothing,
-        "inertia_per_kg": added / reference + nothing,
-    }
 
 
 def _joint(logset: LogSet, run: Run) -> int:

@@ -80,5 +80,5 @@ EFFECT = Effect(
     id="actuator.hysteresis",
     summary="steps gained or lost when the direction reverses",
     forms=forms,
-    signature="moves that reverse the one before err by a fixed number of steps",
+    signature="moves that reverse the one before err by a fixed number of steps, or distance",
 )

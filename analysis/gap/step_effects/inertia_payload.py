@@ -43,7 +43,7 @@ def forms(machine: StepMachine, moves: Moves) -> list[Form]:
 def _slider(machine: StepMachine, moves: Moves) -> Form:
     link = machine.arm.mass_3
     mass = parameter(
-        "mass", "kg", 0.2 * link, lower=-0.9 * link, upper=0.1, starts=(0.0, 0.3 * link)
+        "mass", "kg", 0.2 * link, lower=-0.3 * link, upper=0.1, starts=(0.0, 0.3 * link)
     )
     rotary = [joint for joint in moves.extended if joint in moves.step]
     swings = {f"swing_{joint + 1}_{end}": joint for joint in rotary for end in ENDS}
@@ -93,5 +93,5 @@ EFFECT = Effect(
     id="inertia.payload",
     summary="mass on the tip that the model does not have",
     forms=forms,
-    signature="moves err with the load of every joint, as one mass on the tip would have them",
+    signature="moves err with the load of every joint, as one mass on the tip would have them, and without load as a heavier slider",
 )

@@ -48,7 +48,7 @@ def _flyback(machine: StepMachine, moves: Moves, both: list[int]) -> Form:
             less = values.get(f"flyback_{joint + 1}", 0.0)
             even = 0.25 * less**2 / values[f"fallback_{joint + 1}"]
             plant.slip.flyback[joint] += [even + less, even - less]
-            plant.slip.grip[joint] = values[f"grip_{joint + 1}"]
+            plant.slip.flyback_grip[joint] = values[f"grip_{joint + 1}"]
 
     return Form(
         effect=EFFECT.id,
@@ -66,5 +66,5 @@ EFFECT = Effect(
     id="step.direction",
     summary="steps that differ by direction",
     forms=forms,
-    signature="moves of the two directions err by the same share, with opposite signs",
+    signature="moves of the two directions err by the same share or amount, with opposite signs",
 )
