@@ -19,7 +19,10 @@ def identify(
     methods: Annotated[
         str, typer.Option(help="Searches, by comma: gradient, pattern, evolution, cma.")
     ] = "gradient,evolution",
-    budget: Annotated[int, typer.Option(min=500, help="Motions each search may try.")] = 6000,
+    budget: Annotated[
+        int | None,
+        typer.Option(min=500, help="Motions each search may try; by default the machine's number."),
+    ] = None,
     repeats: Annotated[int, typer.Option(min=0, help="Repetitions of the noise.")] = 50,
     seed: Annotated[int, typer.Option(min=0, help="Of machine, noise and searches.")] = 0,
     at_rest: Annotated[
@@ -51,7 +54,7 @@ def identify(
         found = study.run(
             known,
             methods=wanted,
-            budget=budget,
+            budget=known.budget if budget is None else budget,
             seed=seed,
             repeats=repeats,
             progress=lambda step: progress.update(task, description=step),

@@ -2,8 +2,8 @@ r"""Exciting motions: Fourier series inside the limits with a small condition nu
 
 Position, speed and acceleration are (5.32)-(5.34); a machine that is ``at_rest`` has cycles that start and end without
 speed and acceleration, any other enters its first cycle on the move, as the source's do. A motion beyond the limits of position, speed or acceleration of an axis is scaled down to them; what leaves the
-polygon of the joint space, or where the machine has no posture, is penalised. Four searches share this objective:
-quasi-Newton, compass (pattern) search, differential evolution and CMA-ES.
+polygon of the joint space, or where the machine has no posture, is penalised. Three searches share this objective:
+compass (pattern) search, differential evolution and CMA-ES; the gradient search has the limits as constraints.
 """
 
 from collections.abc import Callable
@@ -85,16 +85,16 @@ class Objective:
         self.size = machine.axes * (1 + self.terms)
         times = np.arange(SAMPLES) / (SAMPLES * machine.frequency)
         parts = [self._motion(np.eye(1, self.terms, i)).sample(times) for i in range(self.terms)]
-        self._basis = [np.concatenate([p[i] for p in parts], axis=1) for i in range(3)]
+        self.basis = [np.concatenate([p[i] for p in parts], axis=1) for i in range(3)]
         self.evaluations = 0
-        self._depth = _depth(machine)
+        self.depth = _depth(machine)
 
     def __call__(self, x: Floats) -> Floats:
         """Values (...) of the vectors (..., size)."""
         x = np.asarray(x, dtype=float)
         self.evaluations += int(np.prod(x.shape[:-1]))
         start, amplitude = self._split(x)
-        shape = [np.einsum("tk,...nk->...tn", part, amplitude) for part in self._basis]
+        shape = [np.einsum("tk,...nk->...tn", part, amplitude) for part in self.basis]
         scale = self._scale(start, shape)[..., None, :]
         q, v, a = start[..., None, :] + scale * shape[0], scale * shape[1], scale * shape[2]
         outside = self._outside(q)
@@ -104,8 +104,11 @@ class Objective:
 
     def excitation(self, x: Floats) -> Excitation:
         """The motion of a vector (size,), scaled into the limits between the instants, too."""
-        start, amplitude = self._split(x)
-        shape = [np.einsum("tk,nk->tn", part, amplitude) for part in self._basis]
+        return self.moving(*self._split(x))
+
+    def moving(self, start: Floats, amplitude: Floats) -> Excitation:
+        """The motion of a start (n,) and amplitudes (n, terms), scaled likewise."""
+        shape = [np.einsum("tk,nk->tn", part, amplitude) for part in self.basis]
         motion = self._motion(amplitude * self._scale(start, shape)[:, None])
         fine = motion.sample(np.linspace(0.0, motion.period, 4001))
         extra = self._scale(start, fine, kept_back=BETWEEN)
@@ -135,11 +138,16 @@ class Objective:
 
     def _outside(self, q: Floats) -> Floats:
         """How far the worst instant (...) lies outside the polygon; zero inside."""
-        if self._depth is None or self.machine.polygon is None:
+        if self.depth is None or self.machine.polygon is None:
             return np.zeros(q.shape[:-2])
-        span = float(np.ptp(self.machine.polygon, axis=0).max())
-        lacking = np.maximum(MARGIN * span - self._depth(q), 0.0)
-        return np.asarray(lacking.max(axis=-1) / span)
+        lacking = np.maximum(MARGIN * self.polygon_size - self.depth(q), 0.0)
+        return np.asarray(lacking.max(axis=-1) / self.polygon_size)
+
+    @property
+    def polygon_size(self) -> float:
+        """Largest width of the polygon [m or rad]; one where there is none."""
+        polygon = self.machine.polygon
+        return 1.0 if polygon is None else float(np.ptp(polygon, axis=0).max())
 
     def _motion(self, amplitude: Floats) -> Series:
         half = self._cosines.shape[0]
@@ -156,14 +164,14 @@ def search(machine: Machine, kept: tuple[int, ...], method: str, budget: int, se
     if method not in METHODS:
         raise InputError("method", f"unknown search {method!r}", f"one of {', '.join(METHODS)}")
     objective = Objective(machine, kept)
-    first = _start(objective, seed, min(200, budget // 4))
-    best = {
-        "gradient": _gradient,
-        "pattern": _pattern,
-        "evolution": _evolution,
-        "cma": _cma,
-    }[method](objective, first, budget, seed)
-    excitation = objective.excitation(best)
+    if method == "gradient":
+        from .gradient import search as by_gradient
+
+        excitation = by_gradient(objective, budget, seed)
+    else:
+        first = _start(objective, seed, min(200, budget // 4))
+        found = {"pattern": _pattern, "evolution": _evolution, "cma": _cma}[method]
+        excitation = objective.excitation(found(objective, first, budget, seed))
     return Search(method, of(machine, kept, excitation), objective.evaluations, excitation)
 
 
@@ -217,20 +225,6 @@ def _counted(objective: Objective, budget: int) -> tuple[Callable[[Floats], floa
         return found
 
     return value, best
-
-
-def _gradient(objective: Objective, first: Floats, budget: int, seed: int) -> Floats:
-    """L-BFGS-B from ``first``; central differences of one batch, steps of the cube root of eps."""
-    step = 6e-6 * np.eye(objective.size)
-
-    def slope(x: Floats) -> Floats:
-        ahead, behind = objective(x + step), objective(x - step)
-        return np.asarray((ahead - behind) / (2.0 * 6e-6))
-
-    value, best = _counted(objective, budget)
-    with suppress(_Spent):
-        scipy.optimize.minimize(value, first, jac=slope, method="L-BFGS-B")
-    return np.asarray(best["x"])
 
 
 def _pattern(objective: Objective, first: Floats, budget: int, seed: int) -> Floats:

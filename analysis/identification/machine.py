@@ -37,6 +37,7 @@ class Machine:
     start: Floats  # of the motions (n,)
     frequency: float  # of the Fourier series [Hz]
     harmonics: int
+    budget: int = 6000  # motions that a search tries by default
     at_rest: bool = True  # at the start of a cycle; the source's series leave it free
     period: float  # of sampling [s]
     cutoff: float  # of the filter [Hz]

@@ -66,6 +66,7 @@ def _two_prr() -> Machine:
         start=np.array([0.2, 0.25]),
         frequency=0.4,
         harmonics=10,
+        budget=80_000,
         at_rest=False,
         period=0.002,
         cutoff=15.0,

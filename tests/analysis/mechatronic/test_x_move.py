@@ -3,6 +3,7 @@
 import pytest
 
 from gapscope.analysis.mechatronic import x_move
+from gapscope.analysis.mechatronic.five_bar_study import CIRCLES
 from gapscope.diagrams.five_bar_loop import GAINS, HEIGHT, MOTIONS
 
 PATH, GAIN = MOTIONS["x-move"], GAINS["x-move"]
@@ -20,3 +21,14 @@ def test_no_height_gives_the_printed_deviation_but_a_share_of_feedforward_does()
     share = x_move.feedforward_as_printed(PATH, GAIN)
     assert x_move.deviation(PATH, GAIN, share) == pytest.approx(x_move.PRINTED, abs=0.05)
     assert 0.3 < share < 0.5
+
+
+def test_circles_ask_for_other_shares_of_feedforward():
+    """0.4035 and 0.7727 motor turns by the diagram; 0.25 and 0.3 printed. One share does not give both."""
+    shares = []
+    for name, diagram in (("circle", 0.4035), ("fast-circle", 0.7727)):
+        path, printed = MOTIONS[name], CIRCLES[name]
+        assert x_move.joint_error(path, GAINS[name], 0.0) == pytest.approx(diagram, abs=0.02)
+        shares.append(x_move.circle_feedforward(path, GAINS[name], printed.error))
+        assert printed.lag * x_move.peak_rate(path) > 2.0 * printed.error
+    assert shares[1] > shares[0] + 0.1
