@@ -27,6 +27,7 @@ TARGETS = (  # what, key, bound, is a lower bound, in percent
     ("expected calibration error", "ece", 0.05, False, False),
 )
 RATES = (
+    ("top-1, or ambiguous with the answer among the two named", "top1_or_twins"),
     ("top-2, visible effects", "top2"),
     ("top-1, single effects", "top1_single"),
     ("top-2, single effects", "top2_single"),

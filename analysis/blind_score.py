@@ -269,6 +269,9 @@ def summary(outcomes: Sequence[Outcome]) -> dict[str, Any]:
             for kind in ("none", "single", "double", "off_library")
         },
         "top1": proportion([o.right for o in gaps]),
+        "top1_or_twins": proportion(
+            [o.right or (o.verdict == AMBIGUOUS and o.truth in o.named) for o in gaps]
+        ),
         "top2": proportion([o.right_in_two for o in gaps]),
         "top1_single": proportion([o.right for o in single]),
         "top2_single": proportion([o.right_in_two for o in single]),

@@ -118,10 +118,17 @@ def _better(candidate: Fit, retuned: Fit) -> bool:
 
 
 def _holds_nothing(found: Fit) -> bool:
-    """Whether one of its effects has no size beyond its own uncertainty, only a shape.
+    """Whether one of its effects has no size beyond its own uncertainty or its least, only a shape.
 
     Beside impacts the uncertainty is unknown.
     """
+    known = found.by_key()
+    if any(
+        known.get((form.effect, name), least) <= least
+        for form in found.hypothesis.forms
+        for name, least in form.least.items()
+    ):
+        return True
     if found.hypothesis.rough:
         return False
     sizes = {

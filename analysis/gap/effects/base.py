@@ -115,6 +115,7 @@ class Form:
     contains: frozenset[str] = frozenset()  # effects that it is at the edge of its parameters
     price: float = 0.0  # further fall of the log residual asked of a form that is rarely the reason
     shifts: bool = False  # whether it moves the command in time, and so every impact that follows
+    least: Mapping[str, float] = field(default_factory=dict)  # up to these values it is no effect
     step: float = 0.0  # finite-difference step in parameter scales, where the default is too fine
     amounts_to: "Callable[[Values], Form | None]" = lambda values: None
 

@@ -4,6 +4,8 @@ from ..drive_machine import DriveMachine, DrivePlant
 from .base import Effect, Form, Scales, Values, everywhere, parameter
 from .two_inertia import CONTACT, FAMILY, ON_LOAD, motor_share_parameter, split
 
+RIGID = 1.5  # times the stiffest spring of the search: no flexibility that these steps resolve
+
 
 def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
     """The same flexibility at every shaft, with the motor's share of the inertia; encoders before it or behind it."""
@@ -39,6 +41,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
             apply=apply,
             where=everywhere("joints", machine.joints),
             family=FAMILY,
+            least={"compliance": RIGID * stiffest},
         )
 
     found = [form("two inertias", False)]

@@ -117,17 +117,21 @@ def test_an_effect_without_size_is_no_effect() -> None:
     def size(name: str) -> Any:
         return SimpleNamespace(name=name, starts=(0.0,))
 
-    form = SimpleNamespace(effect="friction.coulomb", step=0.0, shapes={"width"})
+    form = SimpleNamespace(effect="friction.coulomb", step=0.0, shapes={"width"}, least={})
     parameters = [size("level"), size("width")]
     fit: Any = SimpleNamespace(
         hypothesis=SimpleNamespace(forms=(form,), rough=False, kept=lambda form: parameters),
         keys=(("friction.coulomb", "level"), ("friction.coulomb", "width")),
         values=(1e-5, 0.02),
         deviation=(1e-4, 1e-3),
+        by_key=lambda: dict(zip(fit.keys, fit.values)),
     )
     assert _holds_nothing(fit)
     fit.values = (1e-3, 0.02)
     assert not _holds_nothing(fit)
+    form.least = {"level": 2e-3}  # a size that the model does not resolve
+    assert _holds_nothing(fit)
+    form.least = {}
     # Beside impacts no parameter has an uncertainty; that is no sign of size zero.
     fit.hypothesis.rough, fit.deviation = True, (np.nan, np.nan)
     assert not _holds_nothing(fit)
