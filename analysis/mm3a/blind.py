@@ -6,7 +6,24 @@ actuator by 0.2 to 0.4 % (rms over the postures of the plan), so moves scatter b
 
 A case has no effect, one, two, or one that no hypothesis knows. Seeds as in ``blind_machine``.
 
-The deck of 30 of seed 1013, without and with what ``gap/law_error.py`` asks (its constants are from seed 7):
+Tuning seeds, on which the forms of ``gap/slip_terms.py`` were worked out: all 30 cases of seed 20 and the first 14 of
+seed 22, with ``FORM_MISFIT`` 0.4. They are no report: their cases were known.
+
+===========================  =====  ==================================================
+cases                        count  answer
+===========================  =====  ==================================================
+wrong claims                  0/44
+one effect                   26/26  named (payload 4, recoil 5, direction 4, memory 5,
+                                    drift 5, load 3), also the 6 below 5 x the floor
+two effects                   0/5   ambiguous, the pair first in the ranking each time
+no effect                     6/6   no gap
+off the library               7/7   unexplained
+===========================  =====  ==================================================
+
+With the 0.1 that the constant is measured to be, those rankings claim three of the five pairs, rightly; that is
+read off them, the cases were not diagnosed again. Report seed 1023 is kept for these forms.
+
+The deck of 30 of report seed 1013, before those forms, without and with what ``gap/law_error.py`` asks:
 
 ===========================  =======  =====
 verdict                      without  with
@@ -17,9 +34,9 @@ no gap, rightly                    4      4
 ambiguous or unexplained          17     21
 ===========================  =======  =====
 
-Wrong were direction (3) and recoil (1), called with a load term beside them. Rightly named are load and drift
-alone, 5 of 6 cases. Payload, direction, recoil and direction memory are never named: their forms leave of the physical
-actuator 0.22 to 0.31 of what they remove. One pair that was named before, recoil and load, no longer is.
+Wrong were direction (3) and recoil (1), called with a load term beside them. Rightly named were load and drift
+alone, 5 of 6 cases; payload, direction, recoil and direction memory never, as their forms then left 0.22 to 0.31 of
+what they removed.
 """
 
 from collections.abc import Callable
