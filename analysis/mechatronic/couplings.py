@@ -22,8 +22,8 @@ from ..files import write_folder
 from .servo_machines import MACHINES, motion
 from .servo_run import simulate
 
-RATIOS = (0.02, 0.1, 0.3, 0.6, 0.9, 1.1, 2.0, 10.0)  # lambda
-SECONDS = 0.15  # of each run
+RATIOS = (0.1, 0.5, 0.9, 1.1, 3.0)  # lambda
+SECONDS = 0.1  # of each run
 
 
 @dataclass(frozen=True, kw_only=True)
