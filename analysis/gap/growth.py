@@ -46,7 +46,8 @@ def _taken_further(predictor: Predictor, fits: Sequence[Fit]) -> list[Fit]:
     further = []
     for f in fits:
         reach, screen = (ROUGH_CONTENDER, -np.inf) if f.hypothesis.rough else (CONTENDER, SCREEN)
-        over = f.finished or f.rms > reach * best
+        # Held-out parameters are one step further, and may be far better, where a search has just begun.
+        over = f.finished or min(f.rms, f.held_out_rms) > reach * best
         further.append(f if over else fit(predictor, f.hypothesis, f, screen))
     return further
 
