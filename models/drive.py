@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import control, friction, runge_kutta
+from . import control, elementary, friction, runge_kutta
 
 # Columns of ``Drive.element``, the constants of a friction element.
 (
@@ -33,7 +33,7 @@ from . import control, friction, runge_kutta
     STIFFNESS,  # presliding stiffness, 0 for the smoothed sign [N m/rad or N/m]
     FADE,  # rate at which the element's sliding friction dies away with time [1/s]
     STRIBECK_EXPONENT,  # shape of the decay from breakaway, a number and never a variable [-]
-) = range(10)
+) = range(ELEMENT_COLUMNS := 10)
 
 # Columns of ``Drive.shaft``, the constants of a shaft and its actuator.
 (
@@ -48,7 +48,7 @@ from . import control, friction, runge_kutta
     LIMIT,  # largest torque magnitude [N m or N]
     LAG,  # time constant of the torque loop [s]
     STAGES,  # equal first-order stages that share the lag, 1 or 2
-) = range(11)
+) = range(SHAFT_COLUMNS := 11)
 
 # Columns of ``Drive.coupling``, a flexible connection from one shaft to another.
 (
@@ -57,7 +57,7 @@ from . import control, friction, runge_kutta
     COUPLING_STIFFNESS,  # [N m/rad or N/m]
     COUPLING_DAMPING,  # [N m s/rad or N s/m]
     GAP,  # whole clearance [rad or m]
-) = range(5)
+) = range(COUPLING_COLUMNS := 5)
 
 
 class Drive(NamedTuple):
@@ -77,12 +77,12 @@ class Drive(NamedTuple):
 def ideal_drive(inertia: Any, elements: Any, viscous: Any, width: float) -> Drive:
     """Drive with viscous friction only, from M (n, n), E (m, n), coefficients (m,) and sign width."""
     m, n = np.shape(elements)
-    element = np.zeros((m, 10))
+    element = np.zeros((m, ELEMENT_COLUMNS))
     element[:, VISCOUS] = viscous
     element[:, STRIBECK_SPEED] = 10.0 * width
     element[:, STRIBECK_EXPONENT] = 2.0
     element[:, WIDTH] = width
-    shaft = np.zeros((n, 11))
+    shaft = np.zeros((n, SHAFT_COLUMNS))
     shaft[:, RIPPLE_WAVENUMBER] = 1.0
     shaft[:, GAIN] = 1.0
     shaft[:, LIMIT] = np.inf
@@ -93,7 +93,7 @@ def ideal_drive(inertia: Any, elements: Any, viscous: Any, width: float) -> Driv
         np.array(elements, dtype=float),
         element,
         shaft,
-        np.zeros((0, 5)),
+        np.zeros((0, COUPLING_COLUMNS)),
     )
 
 
@@ -109,7 +109,7 @@ def acceleration(
     n = drive.elements.shape[1]
     net_torque(q, v, held, torque, t, drive, work)
     for c in range(drive.coupling.shape[0]):
-        i, j = int(drive.coupling[c, FROM_SHAFT]), int(drive.coupling[c, TO_SHAFT])
+        i, j = _shafts(drive.coupling, c)
         force = coupling_force(
             q[i] - q[j],
             v[i] - v[j],
@@ -176,18 +176,22 @@ def ripple(q: Any, cos: Any, sin: Any, wavenumber: Any) -> Any:
     return cos * np.cos(wavenumber * q) + sin * np.sin(wavenumber * q)
 
 
-def coupling_force(
-    twist: float, rate: float, stiffness: float, damping: float, gap: float
-) -> float:
+def _shafts(coupling: Any, c: int) -> tuple[int, int]:
+    """Numbers of the driving and the driven shaft."""
+    return (
+        elementary.whole(coupling[c, FROM_SHAFT]),
+        elementary.whole(coupling[c, TO_SHAFT]),
+    )
+
+
+def coupling_force(twist: Any, rate: Any, stiffness: Any, damping: Any, gap: Any) -> Any:
     """Force (5) of a flexible coupling; with a clearance, it pushes and damps in contact only."""
     half = 0.5 * gap
     if half == 0.0:
         return stiffness * twist + damping * rate
-    if twist > half:
-        return max(0.0, stiffness * (twist - half) + damping * rate)
-    if twist < -half:
-        return min(0.0, stiffness * (twist + half) + damping * rate)
-    return 0.0
+    ahead = max(0.0, stiffness * (twist - half) + damping * rate)
+    behind = min(0.0, stiffness * (twist + half) + damping * rate)
+    return elementary.where(twist > half, ahead, elementary.where(twist < -half, behind, 0.0))
 
 
 def held_friction(v: Any, z: Any, dt: float, drive: Drive, out: Any) -> None:
@@ -195,11 +199,13 @@ def held_friction(v: Any, z: Any, dt: float, drive: Drive, out: Any) -> None:
     m, n = drive.elements.shape
     for i in range(m):
         out[i] = 0.0
-        if drive.element[i, STIFFNESS] > 0.0:
+        if drive.element[i, STIFFNESS] != 0.0:
             speed = drive.elements[i, 0] * v[0]
             for j in range(1, n):
                 speed += drive.elements[i, j] * v[j]
-            level = drive.element[i, FORWARD] if speed > 0.0 else drive.element[i, BACKWARD]
+            level = elementary.where(
+                speed > 0.0, drive.element[i, FORWARD], drive.element[i, BACKWARD]
+            )
             if drive.element[i, BREAKAWAY] != 0.0:  # LuGre's g(v)
                 level += friction.stribeck_peak(
                     speed,
@@ -255,7 +261,7 @@ def delayed_command(command: Any, k: int, j: int, delay: float, dt: float) -> fl
     The mean over the sample of the held command; before the first sample the command is the first.
     """
     samples = delay / dt
-    whole = int(np.floor(samples))
+    whole = elementary.whole(samples)
     part = samples - whole
     newer = command[max(k - whole, 0), j]
     older = command[max(k - whole - 1, 0), j]
@@ -278,13 +284,13 @@ def delivered_torque(
     :math:`\tau_2 = u + (x_2 + x_1 t / T) e^{-t/T}`, :math:`x_i` the states less u.
     """
     target = control.clip(gain * command, limit)
-    if not lag > 0.0:
+    if lag == 0.0:
         return target, target, target
     ratio = lag / (stages * dt)
     decay = np.exp(-1.0 / ratio)
     x1, x2 = first - target, second - target
     after = target + x1 * decay
-    if stages < 2.0:
+    if stages != 2.0:
         return target + x1 * ratio * (1.0 - decay), after, after
     mean = ratio * ((x1 + x2) * (1.0 - decay) - x1 * decay / ratio)
     return target + mean, after, target + (x2 + x1 / ratio) * decay

@@ -142,14 +142,14 @@ def simulate(
     ``delivered[k]`` is the mean torque at the shafts during sample ``k``. The motors drive the first n shafts of
     the plant; a flexible plant has more. The encoders sit on n shafts from ``first_sensed`` on.
     """
-    _simulate(
+    closed_loop(
         reference, reference_acceleration, plant, drive_stack.sizes(plant), stack.axis(reference.shape[1]), controller, dt,
-        substeps, lsb, memory, position, command, delivered, first_sensed,
+        substeps, lsb, memory, position, command, delivered, stack.axis(first_sensed),
     )  # fmt: skip
 
 
 @compilation.kernel
-def _simulate(
+def closed_loop(
     reference: Any,
     reference_acceleration: Any,
     given: Drive,
@@ -163,21 +163,25 @@ def _simulate(
     position: Any,
     command: Any,
     delivered: Any,
-    first_sensed: int,
+    before: stack.Axis,
 ) -> None:
+    """``simulate`` for sizes that the compiler knows, of floats or of lanes.
+
+    ``start`` is the memory, ``before`` are the shafts before the first that has an encoder.
+    """
     n, shafts = len(sensors), len(sizes.shafts)
     samples = position.shape[0]
     plant = drive_stack.plant_on_stack(given, sizes)
-    memory = drive_stack.memory_on_stack(sensors)
+    memory = drive_stack.memory_on_stack(sensors, position)
     for j in range(n):
         memory[LOW_PASSED][j], memory[INTEGRAL][j] = start[LOW_PASSED, j], start[INTEGRAL, j]
         memory[OBSERVED][j] = start[OBSERVED, j]
-    q, v, z, held, lag, torque, work = drive_stack.state_on_stack(sizes, sensors)
+    q, v, z, held, lag, torque, work = drive_stack.state_on_stack(sizes, sensors, position)
     for j in range(shafts):
         q[j] = position[0, j % n]
     for k in range(samples):
         for j in range(n):
-            position[k, j] = encoder.read(q[first_sensed + j], lsb)
+            position[k, j] = encoder.read(q[len(before) + j], lsb)
         control_step(
             k, reference, reference_acceleration, position, controller, dt, memory, command
         )
@@ -206,13 +210,14 @@ def predict(
     """
     sensors = stack.axis(position.shape[1])
     sizes = drive_stack.sizes(plant)
-    _predict(
-        position, command, plant, sizes, sensors, dt, substeps, bandwidth, residual, first_sensed
-    )
+    prediction(
+        position, command, plant, sizes, sensors, dt, substeps, bandwidth, residual,
+        stack.axis(first_sensed),
+    )  # fmt: skip
 
 
 @compilation.kernel
-def _predict(
+def prediction(
     position: Any,
     command: Any,
     given: Drive,
@@ -222,17 +227,18 @@ def _predict(
     substeps: int,
     bandwidth: float,
     residual: Any,
-    first_sensed: int,
+    before: stack.Axis,
 ) -> None:
+    """``predict`` for sizes that the compiler knows, of floats or of lanes; ``before`` as in ``closed_loop``."""
     samples, n, shafts = position.shape[0], len(sensors), len(sizes.shafts)
     alpha, beta = correction_gains(bandwidth, dt)
     plant = drive_stack.plant_on_stack(given, sizes)
-    q, v, z, held, lag, torque, work = drive_stack.state_on_stack(sizes, sensors)
+    q, v, z, held, lag, torque, work = drive_stack.state_on_stack(sizes, sensors, residual)
     for j in range(shafts):
         q[j] = position[0, j % n]
     for k in range(samples):
         for j in range(n):
-            residual[k, j] = position[k, j] - q[first_sensed + j]
+            residual[k, j] = position[k, j] - q[len(before) + j]
         for j in range(shafts):
             q[j] += alpha * residual[k, j % n]
             v[j] += beta * residual[k, j % n]

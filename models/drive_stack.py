@@ -3,7 +3,7 @@
 from typing import Any, NamedTuple
 
 from . import compilation, stack
-from .drive import Drive
+from .drive import COUPLING_COLUMNS, ELEMENT_COLUMNS, SHAFT_COLUMNS, Drive
 
 
 class Sizes(NamedTuple):
@@ -21,18 +21,18 @@ def sizes(plant: Drive) -> Sizes:
 
 
 STAGES = stack.axis(2)
-ELEMENT_COLUMNS, SHAFT_COLUMNS, COUPLING_COLUMNS = stack.axis(10), stack.axis(11), stack.axis(5)
+ELEMENT, SHAFT, COUPLING = map(stack.axis, (ELEMENT_COLUMNS, SHAFT_COLUMNS, COUPLING_COLUMNS))
 
 
 @compilation.inlined
 def plant_on_stack(given: Drive, sizes: Sizes) -> Drive:
     """The drive in arrays on the stack."""
     plant = Drive(
-        stack.matrix(sizes.shafts, sizes.shafts),
-        stack.matrix(sizes.elements, sizes.shafts),
-        stack.matrix(sizes.elements, ELEMENT_COLUMNS),
-        stack.matrix(sizes.shafts, SHAFT_COLUMNS),
-        stack.matrix(sizes.couplings, COUPLING_COLUMNS),
+        stack.matrix(sizes.shafts, sizes.shafts, given.inertia_inverse),
+        stack.matrix(sizes.elements, sizes.shafts, given.elements),
+        stack.matrix(sizes.elements, ELEMENT, given.element),
+        stack.matrix(sizes.shafts, SHAFT, given.shaft),
+        stack.matrix(sizes.couplings, COUPLING, given.coupling),
     )
     _copy(given.inertia_inverse, plant.inertia_inverse)
     _copy(given.elements, plant.elements)
@@ -43,24 +43,24 @@ def plant_on_stack(given: Drive, sizes: Sizes) -> Drive:
 
 
 @compilation.inlined
-def state_on_stack(sizes: Sizes, actuated: stack.Axis) -> tuple[Any, ...]:
+def state_on_stack(sizes: Sizes, actuated: stack.Axis, like: Any) -> tuple[Any, ...]:
     """What ``rest`` and ``drive.work_arrays`` give, with positions before them, on the stack."""
     n, m = sizes.shafts, sizes.elements
     stages = (
-        stack.vector(n),
-        stack.vector(n),
-        stack.vector(n),
-        stack.vector(n),
-        stack.vector(n),
+        stack.vector(n, like),
+        stack.vector(n, like),
+        stack.vector(n, like),
+        stack.vector(n, like),
+        stack.vector(n, like),
     )
     return (
-        stack.vector(n),
-        stack.vector(n),
-        stack.vector(m),
-        stack.vector(m),
-        stack.matrix(STAGES, actuated),
-        stack.vector(n),
-        (stack.vector(n), stages),
+        stack.vector(n, like),
+        stack.vector(n, like),
+        stack.vector(m, like),
+        stack.vector(m, like),
+        stack.matrix(STAGES, actuated, like),
+        stack.vector(n, like),
+        (stack.vector(n, like), stages),
     )
 
 
@@ -72,15 +72,15 @@ def _copy(source: Any, target: Any) -> None:
 
 
 @compilation.inlined
-def memory_on_stack(sensors: stack.Axis) -> tuple[Any, ...]:
+def memory_on_stack(sensors: stack.Axis, like: Any) -> tuple[Any, ...]:
     """The eight rows of a controller's memory on the stack, zero."""
     return (
-        stack.vector(sensors),
-        stack.vector(sensors),
-        stack.vector(sensors),
-        stack.vector(sensors),
-        stack.vector(sensors),
-        stack.vector(sensors),
-        stack.vector(sensors),
-        stack.vector(sensors),
+        stack.vector(sensors, like),
+        stack.vector(sensors, like),
+        stack.vector(sensors, like),
+        stack.vector(sensors, like),
+        stack.vector(sensors, like),
+        stack.vector(sensors, like),
+        stack.vector(sensors, like),
+        stack.vector(sensors, like),
     )

@@ -21,6 +21,14 @@ def polynomial_4567(tau: Any) -> tuple[Any, Any, Any]:
     return s, ds, dds
 
 
+def cycle(t: Any, rate: float) -> tuple[Any, Any, Any]:
+    """Eq. (5.4), out and back: progress (0 to 1), its rate [1/s] and acceleration [1/s^2] at ``t`` [s], float or array."""
+    half = 0.5 / rate
+    phase = t % (2.0 * half)
+    s, ds, dds = polynomial_4567((half - abs(half - phase)) / half)
+    return s, (1.0 - 2.0 * (phase > half)) * ds / half, dds / half**2
+
+
 @dataclass(frozen=True, kw_only=True)
 class MotionProgram:
     """One out-and-back cycle per motor, repeated without pause.
@@ -44,17 +52,12 @@ class MotionProgram:
         self, t: ArrayLike
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Motor angles, rates and accelerations at times ``t`` [s]: arrays (..., 2), (L, R)."""
-        half = 0.5 / self.rate
-        phase = np.mod(np.asarray(t, dtype=float), 2.0 * half)
-        back = phase > half
-        s, ds, dds = polynomial_4567(np.where(back, 2.0 * half - phase, phase) / half)
-        ds = np.where(back, -ds, ds)
         amplitude = np.array([self.amplitude_L, self.amplitude_R])
-        return (
-            np.multiply.outer(s, amplitude),
-            np.multiply.outer(ds / half, amplitude),
-            np.multiply.outer(dds / half**2, amplitude),
+        position, rate, acceleration = (
+            np.multiply.outer(progress, amplitude)
+            for progress in cycle(np.asarray(t, dtype=float), self.rate)
         )
+        return position, rate, acceleration
 
 
 # Table 5-2: (alpha_L, alpha_R) in rad.

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydrake.math import RigidTransform, RollPitchYaw
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlant
 from pydrake.multibody.tree import (
     BallRpyJoint,
     FixedOffsetFrame,
@@ -19,11 +19,13 @@ from pydrake.multibody.tree import (
     RevoluteJoint,
     RotationalInertia,
     SpatialInertia,
+    default_model_instance,
 )
 
 from ..models.closure import Closure
 from ..models.parallel.bodies import BodyMotion
 from ..models.parallel.chain import Chain, Link
+from . import closures
 
 Floats = NDArray[np.float64]
 
@@ -36,6 +38,18 @@ class Projection:
     bias: Floats  # (n,)
     rank: int  # of the closure Jacobian
     rows: int  # of the closure Jacobian: 3 a ball, 6 a weld
+
+
+def discrete_plant(chain: Chain, time_step: float) -> MultibodyPlant:
+    """Finalised SAP plant of a chain with its closures as constraints; errors of closure are of order time_step squared."""
+    plant = MultibodyPlant(time_step)
+    plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)
+    for link in chain.links:
+        _add(plant, link)
+    closures.apply(plant, default_model_instance(), list(chain.closures))
+    plant.mutable_gravity_field().set_gravity_vector(chain.gravity)
+    plant.Finalize()
+    return plant
 
 
 class ClosedChain:

@@ -39,5 +39,5 @@ class Encoder(LeafSystem):
 
     def _read(self, context: Any, output: Any) -> None:
         counts = context.get_numeric_parameter(self.LSB).value()
-        angle = scalars.signal(self, context, "angle")
+        angle = scalars.numbered(self, context, 0)
         output.SetFromVector([encoder.read(a, lsb) for a, lsb in zip(angle, counts)])

@@ -44,7 +44,7 @@ class FilteredDerivative(LeafSystem):
 
     def _at(self, context: Any) -> tuple[Any, Any, float]:
         return (
-            scalars.signal(self, context, "signal"),
+            scalars.numbered(self, context, 0),
             context.get_discrete_state_vector().value(),
             context.get_numeric_parameter(self.CUTOFF)[0],
         )

@@ -2,10 +2,9 @@
 
 from typing import Any
 
-import numpy as np
 from pydrake.systems.framework import LeafSystem
 
-from ..models.motion import MotionProgram
+from ..models.motion import MotionProgram, cycle
 from . import scalars
 
 
@@ -27,7 +26,6 @@ class MotionSource(LeafSystem):
 
     def __init__(self, program: MotionProgram) -> None:
         LeafSystem.__init__(self)
-        self.program_name = program.name
         scalars.declare_parameter(self, [program.amplitude_L, program.amplitude_R])
         scalars.declare_parameter(self, [program.rate])
         for derivative, name in enumerate(("position", "velocity", "acceleration")):
@@ -40,13 +38,10 @@ class MotionSource(LeafSystem):
 
     def _derivative(self, order: int) -> Any:
         def calc(context: Any, output: Any) -> None:
-            left, right = context.get_numeric_parameter(self.AMPLITUDE).value()
-            program = MotionProgram(
-                name=self.program_name,
-                amplitude_L=left,
-                amplitude_R=right,
-                rate=context.get_numeric_parameter(self.RATE)[0],
-            )
-            output.SetFromVector(np.asarray(program.sample(context.get_time())[order]))
+            rate = context.get_numeric_parameter(self.RATE)[0]
+            if not rate > 0.0:
+                raise ValueError(f"MotionSource: rate is {rate} Hz; expected a positive number")
+            amplitude = context.get_numeric_parameter(self.AMPLITUDE).value()
+            output.SetFromVector(cycle(context.get_time(), rate)[order] * amplitude)
 
         return calc

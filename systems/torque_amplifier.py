@@ -6,6 +6,7 @@ import numpy as np
 from pydrake.systems.framework import LeafSystem
 
 from ..models import drive as drive_law
+from ..models import leaf_kernels
 from ..models.drive import Drive
 from . import scalars
 
@@ -43,33 +44,25 @@ class TorqueAmplifier(LeafSystem):
         self.size = len(actuator)
         self.past = int(np.ceil(actuator[:, 0].max() / period)) + 1
         scalars.declare_parameter(self, actuator)
-        self.DeclareDiscreteState((2 + self.past) * self.size + 1)
+        self._states = (2 + self.past) * self.size + 1
+        self.DeclareDiscreteState(self._states)
         self.DeclareVectorInputPort("command", self.size)
         self.DeclareVectorOutputPort("torque", self.size, self._torque)
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._advance)
 
     def _torque(self, context: Any, output: Any) -> None:
-        _, delivered, _ = self._deliver(context)
-        output.SetFromVector(delivered)
+        self._deliver(context, output.get_mutable_value(), np.empty(self._states))
 
     def _advance(self, context: Any, discrete_state: Any) -> None:
-        commands, _, lagged = self._deliver(context)
-        discrete_state.set_value(np.concatenate([*lagged, [1.0], commands[1:].ravel()]))
+        self._deliver(context, np.empty(self.size), discrete_state.get_mutable_value())
 
-    def _deliver(self, context: Any) -> tuple[Any, list[float], Any]:
-        """Commands (past + 1, n) up to now, delivered torque, next torques (2, n) of the lag."""
-        n = self.size
-        state = context.get_discrete_state_vector().value()
-        command = scalars.signal(self, context, "command")
-        began, past = state[2 * n] > 0.0, state[2 * n + 1 :].reshape(self.past, n)
-        commands = np.vstack([past if began else np.tile(command, (self.past, 1)), command])
-        delivered, lagged = [], np.zeros((2, n))
-        for j, (delay, gain, limit, lag, stages) in enumerate(
-            scalars.parameter(context, self.ACTUATOR, n, 5)
-        ):
-            late = drive_law.delayed_command(commands, self.past, j, delay, self.period)
-            now, lagged[0, j], lagged[1, j] = drive_law.delivered_torque(
-                late, state[j], state[n + j], gain, limit, lag, stages, self.period
-            )
-            delivered.append(now)
-        return commands, delivered, lagged
+    def _deliver(self, context: Any, torque: Any, after: Any) -> None:
+        """Write the torque (n,) of the sample that begins, and the state at its end."""
+        leaf_kernels.deliver(
+            scalars.constants(context, self.ACTUATOR),
+            context.get_discrete_state_vector().value(),
+            scalars.numbered(self, context, 0),
+            self.period,
+            torque,
+            after,
+        )

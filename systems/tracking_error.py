@@ -31,5 +31,5 @@ class TrackingError(LeafSystem):
         )
 
     def _error(self, context: Any, output: Any) -> None:
-        reference = scalars.signal(self, context, "reference")
-        output.SetFromVector(reference - scalars.signal(self, context, "position"))
+        reference = scalars.numbered(self, context, 0)
+        output.SetFromVector(reference - scalars.numbered(self, context, 1))

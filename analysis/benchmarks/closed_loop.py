@@ -158,28 +158,14 @@ def _sampled(loop: Callable[..., Any], config: CDriveLoopConfig, samples: int) -
 
 def _drake(config: CDriveLoopConfig, samples: int) -> Callable[[], Signals]:
     """One simulation of the loop's Diagram with two logs; building the Diagram is not in it."""
-    from pydrake.systems.analysis import Simulator
     from pydrake.systems.framework import DiagramBuilder
-    from pydrake.systems.primitives import VectorLogSink
 
     from ...diagrams.c_drive_loop import c_drive_loop
 
     builder = DiagramBuilder()
     loop = builder.AddSystem(c_drive_loop(config))
-    sinks: list[Any] = []
-    for port in ("measured", "command"):
-        sinks.append(builder.AddSystem(VectorLogSink(2, publish_period=config.sample_time)))
-        builder.Connect(loop.GetOutputPort(port), sinks[-1].get_input_port())
-    diagram = builder.Build()
-
-    def run() -> Signals:
-        simulator = Simulator(diagram)
-        simulator.AdvanceTo(config.sample_time * (samples - 1))
-        context = simulator.get_context()
-        measured, command = (np.array(sink.FindLog(context).data().T) for sink in sinks)
-        return measured, command
-
-    return run
+    ports = [loop.GetOutputPort(name) for name in ("measured", "command")]
+    return drake_peers.logged(builder, ports, config.sample_time, samples)
 
 
 def _lsb(config: CDriveLoopConfig) -> float:

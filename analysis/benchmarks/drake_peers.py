@@ -1,6 +1,6 @@
 """The closed loop in Drake without gapscope: plain-Python leaves, and Drake's own C++ systems."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,8 @@ def python_leaves(c: Constants, reference: NDArray[np.float64]) -> Callable[[], 
     builder.Connect(encoder.get_output_port(), controller.GetInputPort("measured"))
     builder.Connect(controller.get_output_port(), plant.get_input_port())
     builder.Connect(plant.get_output_port(), encoder.get_input_port())
-    return _logged(builder, encoder, controller, c, len(reference))
+    ports = [encoder.get_output_port(), controller.get_output_port()]
+    return logged(builder, ports, c.dt, len(reference))
 
 
 def primitives(c: Constants, reference: NDArray[np.float64]) -> Callable[[], Signals]:
@@ -58,7 +59,8 @@ def primitives(c: Constants, reference: NDArray[np.float64]) -> Callable[[], Sig
         _join(builder, stage, plant, controller, *stages[-1:])
         stages.append(stage)
     _join(builder, plant, *stages)
-    return _logged(builder, encoder, controller, c, len(reference))
+    ports = [encoder.get_output_port(), controller.get_output_port()]
+    return logged(builder, ports, c.dt, len(reference))
 
 
 def _variables(names: str, sizes: tuple[int, ...]) -> list[list[Any]]:
@@ -102,22 +104,20 @@ def _join(builder: Any, target: Any, *sources: Any) -> None:
     builder.Connect(joined.get_output_port(), target.get_input_port())
 
 
-def _logged(
-    builder: Any, encoder: Any, controller: Any, c: Constants, samples: int
-) -> Callable[[], Signals]:
-    """One simulation of the diagram, built beforehand, with a log of both signals."""
+def logged(builder: Any, ports: Sequence[Any], dt: float, samples: int) -> Callable[[], Signals]:
+    """One simulation of the diagram in ``builder``, built beforehand, with logs (samples, 2) of two output ports."""
     from pydrake.systems.analysis import Simulator
     from pydrake.systems.primitives import VectorLogSink
 
-    sinks = []
-    for system in (encoder, controller):
-        sinks.append(builder.AddSystem(VectorLogSink(2, publish_period=c.dt)))
-        builder.Connect(system.get_output_port(), sinks[-1].get_input_port())
+    sinks: list[Any] = []
+    for port in ports:
+        sinks.append(builder.AddSystem(VectorLogSink(2, publish_period=dt)))
+        builder.Connect(port, sinks[-1].get_input_port())
     diagram = builder.Build()
 
     def run() -> Signals:
         simulator = Simulator(diagram)
-        simulator.AdvanceTo(c.dt * (samples - 1))
+        simulator.AdvanceTo(dt * (samples - 1))
         context = simulator.get_context()
         measured, command = (np.array(sink.FindLog(context).data().T) for sink in sinks)
         return measured, command

@@ -5,12 +5,14 @@ from pathlib import Path
 
 from ..datasets import VARIABLE
 from ..errors import InputError
-from . import closed_loop, diagnosis, monte_carlo, start_up
+from . import closed_loop, diagnosis, growth, mechanisms, monte_carlo, start_up
 from .rounds import Group
 
 ROUNDS = {  # full, quick
     closed_loop.NAME: (31, 5),
     monte_carlo.NAME: (5, 3),
+    mechanisms.NAME: (11, 3),
+    growth.NAME: (11, 3),
     start_up.NAME: (31, 5),
     diagnosis.NAME: (3, 1),
 }
@@ -27,6 +29,10 @@ def measured(name: str, quick: bool, open_sets: Path | None, sets: int | None = 
     if name == monte_carlo.NAME:
         usual = monte_carlo.QUICK_SETS if quick else monte_carlo.SETS
         return monte_carlo.monte_carlo(rounds, sets or usual)
+    if name == mechanisms.NAME:
+        return mechanisms.mechanisms(rounds)
+    if name == growth.NAME:
+        return growth.growth(rounds)
     if name == start_up.NAME:
         return start_up.start_up(rounds)
     if open_sets is not None and not diagnosis.log_sets(open_sets):

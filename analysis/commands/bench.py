@@ -14,6 +14,8 @@ class GroupName(StrEnum):
 
     loop = "closed-loop"
     many = "monte-carlo"
+    robots = "mechanisms"
+    sizes = "growth"
     start = "start-up"
     diagnosis = "diagnosis"
 
@@ -38,7 +40,7 @@ def bench(
         typer.Option(min=1, help="Parameter sets of monte-carlo; by default 20000, quick 1000."),
     ] = None,
 ) -> None:
-    """Time closed loop, Monte Carlo, start-up and diagnosis in interleaved rounds; exit code 1 on disagreement."""
+    """Time closed loop, Monte Carlo, mechanisms, growth, start-up and diagnosis in interleaved rounds; exit code 1 on disagreement."""
     from rich.console import Console
 
     from ..benchmarks import report, study

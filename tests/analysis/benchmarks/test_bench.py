@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import replace
 from itertools import chain, repeat
 from types import SimpleNamespace
 
@@ -13,6 +14,8 @@ from gapscope.analysis.benchmarks import (
     c_loop,
     closed_loop,
     diagnosis,
+    growth,
+    mechanisms,
     monte_carlo,
     report,
     rounds,
@@ -86,7 +89,7 @@ def test_a_wrong_loop_is_found(monkeypatch):
 def test_plain_python_runs_no_compiled_kernel():
     space = closed_loop.interpreted(drive_kernels, "simulate").__globals__
     kernels = [name for name, value in vars(drive_kernels).items() if hasattr(value, "py_func")]
-    assert {"_simulate", "control_step", "advance", "rest"} <= set(kernels)
+    assert {"closed_loop", "control_step", "advance", "rest"} <= set(kernels)
     assert [name for name in kernels if hasattr(space[name], "py_func")] == []
 
 
@@ -120,6 +123,7 @@ def test_all_batches_agree_and_a_wrong_one_is_found(monkeypatch):
         monte_carlo.OURS,
         monte_carlo.JAX,
         monte_carlo.C,
+        monte_carlo.ROLLOUT,
     }
     if monte_carlo.C in {one.name for one in group.skipped}:
         pytest.skip("no C compiler")
@@ -129,6 +133,47 @@ def test_all_batches_agree_and_a_wrong_one_is_found(monkeypatch):
     monkeypatch.setattr(monte_carlo, "c_batch", lambda r, table, c: true(r, factor * table, c))
     rows = {row.name: row for row in monte_carlo.monte_carlo(1, 7, SAMPLES).rows}
     assert not rows[monte_carlo.OURS].agrees
+
+
+def test_the_exponent_is_found_and_held_to_linear(monkeypatch):
+    """Costs of size^1 and size^2; only what has to be linear is held to it."""
+
+    def measured(contenders, rounds):
+        sizes = np.array([float(one.name.split()[-1]) for one in contenders])
+        powers = np.array([2.0 if "square" in one.name else 1.0 for one in contenders])
+        return np.tile(1e-6 * sizes**powers, (rounds, 1)), [1] * len(contenders)
+
+    monkeypatch.setattr(growth, "measure", measured)
+    axes = tuple(
+        growth.Axis(name, (10, 100, 1000), lambda size: dict, linear)
+        for name, linear in (("line", True), ("square", True), ("free square", False))
+    )
+    checks = {row.name: (row.check, row.agrees) for row in growth.growth(2, axes).rows}
+    assert checks["line: 1000"] == ("exponent 1.00", True)
+    assert checks["square: 1000"] == ("exponent 2.00", False)
+    assert checks["free square: 1000"] == ("exponent 2.00", True)
+    assert checks["line: 10"] == ("", True)
+
+
+def test_models_of_all_robots_agree():
+    group = mechanisms.mechanisms(1, samples=20, postures=20)
+    assert [row.name for row in group.rows if not row.agrees] == []
+    names = [row.name for row in group.rows] + [one.name for one in group.skipped]
+    for robot in ("PMC", "5R", "MAST", "MM3A"):
+        kinds = {name.removeprefix(f"{robot} ") for name in names if name.startswith(robot)}
+        assert kinds == {"reduced", "projected plant", "SAP plant", "displacement"}
+    assert [one.name for one in group.skipped] == ["MAST SAP plant"]
+    assert "cross1" in group.skipped[0].reason
+
+
+def test_a_wrong_model_of_a_robot_is_found(monkeypatch):
+    """One part in a million of the force, which only the reduced model gets."""
+    five = mechanisms.mechanism_models.robots()[1]
+    wrong = replace(five, reduced=lambda q, f, n, dt: five.reduced(q, (1.0 + 1e-6) * f, n, dt))
+    monkeypatch.setattr(mechanisms.mechanism_models, "robots", lambda: [wrong])
+    rows = {row.name: row.agrees for row in mechanisms.mechanisms(1, 20, 20).rows}
+    assert not rows["5R projected plant"]
+    assert rows["5R displacement"]
 
 
 def test_the_fast_c_batch_leaves_subnormal_numbers_on():
