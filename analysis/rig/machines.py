@@ -3,11 +3,14 @@
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from .machine import RigMachine
 
-Builder = Callable[[str, int], RigMachine]
+if TYPE_CHECKING:  # the command line reads the names, and NumPy would slow it down
+    from .machine import RigMachine
+
+Builder = Callable[[str, int], "RigMachine"]
 CHAINS = ("5r", "replalink", "2prr", "mast", "3prs")
 OTHERS = {
     "c-drive": ("c_drive", "CDrive"),
@@ -20,7 +23,7 @@ OTHERS = {
 NAMES = (*OTHERS, *CHAINS)
 
 
-def build(name: str, fault: str, seed: int) -> RigMachine:
+def build(name: str, fault: str, seed: int) -> "RigMachine":
     """The machine with a fault; InputError for an unknown machine or fault."""
     if name not in NAMES:
         raise InputError("rig", f"unknown machine {name!r}", f"one of {', '.join(NAMES)}")
