@@ -112,10 +112,10 @@ def sech_dry(
 
 
 def stribeck_level(
-    v: Scalar, coulomb: Scalar, static: Scalar, stribeck_speed: Scalar, exponent: Scalar = 2.0
+    v: Scalar, coulomb: Scalar, static: Scalar, stribeck_speed: Scalar, exponent: float = 2.0
 ) -> Scalar:
     """Level g(v) of dry friction (7), from ``static`` at rest to ``coulomb`` at speed."""
-    return coulomb + (static - coulomb) * np.exp(-(np.abs(v / stribeck_speed) ** exponent))
+    return coulomb + stribeck_peak(v, static - coulomb, stribeck_speed, exponent)
 
 
 def karnopp(v: float, applied: float, level: float, static: float, dead_speed: float) -> float:

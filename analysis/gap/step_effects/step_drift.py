@@ -6,6 +6,8 @@ r"""Steps that change from day to day or while the actuators warm up (sections 4
    back ((6) of ``slip_terms.py``)
 """
 
+from collections.abc import Callable, Mapping, Sequence
+
 from ..effects.base import Effect, Form, Values, parameter
 from ..machine import Parameter
 from ..step_machine import StepMachine, StepPlant
@@ -45,19 +47,8 @@ def _day(machine: StepMachine, name: str, places: dict[str, Key]) -> Form:
         for key, (session, joint, sides) in places.items():
             plant.day[session, joint, list(sides)] += values.get(key, 0.0)
 
-    return Form(
-        effect=EFFECT.id,
-        name=name,
-        parameters=tuple(parameters),
-        apply=apply,
-        where=lambda names: {
-            **at_joints([n.split("_", 1)[1] for n in names]),
-            "sessions": sorted({machine.sessions[places[n][0]] for n in names}),
-        },
-        removable=removable(parameters),
-        replaces=own_of(machine, "basic_"),
-        own_start=True,
-    )
+    sessions = {key: place[0] for key, place in places.items()}
+    return _by_session(machine, name, sessions, parameters, apply)
 
 
 def _stroke_by_day(machine: StepMachine, moves: Moves) -> Form:
@@ -73,14 +64,26 @@ def _stroke_by_day(machine: StepMachine, moves: Moves) -> Form:
         for name, key in places.items():
             plant.slip.day[key] = plant.slip.day.get(key, 0.0) + values.get(name, 0.0)
 
+    sessions = {key: place[0] for key, place in places.items()}
+    return _by_session(machine, "stroke by day", sessions, parameters, apply)
+
+
+def _by_session(
+    machine: StepMachine,
+    name: str,
+    sessions: Mapping[str, int],
+    parameters: Sequence[Parameter],
+    apply: Callable[[StepPlant, Values], None],
+) -> Form:
+    """A form whose parameters act in one session each: ``sessions`` by parameter."""
     return Form(
         effect=EFFECT.id,
-        name="stroke by day",
+        name=name,
         parameters=tuple(parameters),
         apply=apply,
         where=lambda names: {
             **at_joints([n.split("_", 1)[1] for n in names]),
-            "sessions": sorted({machine.sessions[places[n][0]] for n in names}),
+            "sessions": sorted({machine.sessions[sessions[n]] for n in names}),
         },
         removable=removable(parameters),
         replaces=own_of(machine, "basic_"),
