@@ -166,9 +166,19 @@ def _errors(  # type: ignore[no-untyped-def]
         found["trusted, mean"] = error(finished.mean)
         found["trusted, optimum"] = error(finished.optimum)
     quiet = measurement.measure(machine, other, seed + 2)
-    # The same motion measured twice differs by its noise alone.
-    found["floor"] = float(np.linalg.norm(held_out.force - quiet.force) / np.sqrt(2.0) / size)
+    found["floor"] = noise(held_out, quiet, machine)
     return found
+
+
+def noise(one: Regression, other: Regression, machine: Machine) -> float:
+    """Relative noise of forces: a motion measured twice differs by nothing else.
+
+    Noise decides, too, which rows count as at rest: only those of both are compared.
+    """
+    mine, its = (np.rint(d.time / machine.period) * machine.axes + d.axis for d in (one, other))
+    _, here, there = np.intersect1d(mine, its, return_indices=True)
+    apart = np.linalg.norm(one.force[here] - other.force[there]) / np.sqrt(2.0)
+    return float(apart / np.linalg.norm(one.force[here]))
 
 
 def findings(study: Study) -> dict[str, Any]:

@@ -88,6 +88,19 @@ def test_feasible_parameters_can_exist_and_predict(two_prr):
     assert errors["feasible"] < 1.1 * errors["planted"] < 0.1 * errors["theoretical, no friction"]
 
 
+def test_noise_is_told_by_a_motion_measured_twice():
+    """RePlaLink: noise decides which rows count as at rest, so that two measurements differ in length."""
+    m = machines.machine("replalink")
+    kept = study.structure(m, 0)[0].kept
+    exact = measurement.ideal(m, m.truth(0), study.Moving(excitation.random(m, kept, 1000)))
+    one, other = (measurement.measure(m, exact, seed) for seed in (1, 2))
+    assert len(one.force) != len(other.force)
+    # A Butterworth filter of third order run both ways leaves 0.873 of its cutoff's band.
+    left = m.noise * np.sqrt(2.0 * 0.873 * m.cutoff * m.period)
+    size = np.sqrt(np.mean(one.force**2))
+    assert study.noise(one, other, m) == pytest.approx(left / size, rel=0.15)
+
+
 @pytest.mark.slow
 def test_a_tensor_that_the_forces_do_not_show_stays_valid(mast):
     margins = feasible.smallest_margins(mast.machine, mast.feasible)
