@@ -3,9 +3,9 @@
 Motor RE-40, gearbox 15:1, coupling, guide with a belt. Two sets of values: the manufacturers', and those identified by
 dividing J_1 by 1.56 and raising the Coulomb torque to 7.18e-2 N m. Seen from the motor, kg m^2, N m/rad, N m.
 
-Assumed: a belt of 100 mm/rev, read from the guide's type ZLW-1040-02-S-100; it puts the resonance of TF_2 at
-904 Hz, which is printed as about 900 Hz. Misprint: (22) of the article has a load of 2.27 kg, Table 1 one of 0.076 kg;
-with 2.27 kg TF_2 would resonate at 612 Hz, so that the table's value stands in (4.34), the article's in (23) alone.
+The belt's 70 mm/rev are printed for the same guide, ZLW-1040, in the 2-PRR (6.21); they put the resonance of TF_2 at
+914 Hz, printed as about 900 Hz. Misprint: (22) of the article has a load of 2.27 kg, Table 1 one of 0.076 kg;
+with 2.27 kg TF_2 would resonate at 725 Hz, so that the table's value stands in (4.34), the article's in (23) alone.
 """
 
 from dataclasses import dataclass, replace
@@ -27,7 +27,7 @@ class BeltAxis:
     guide: float = 4.524e-4  # J_guide, at the pulley [kg m^2]
     carriage: float = 0.076  # M [kg]
     gear_ratio: float = 15.0  # i_r
-    lead: float = 0.1  # of the belt, assumed [m/rev]
+    lead: float = 0.07  # of the belt, p of the 2-PRR's equal guides (6.1.5) [m/rev]
     stiffness: float = 67.702  # k_t [N m/rad]
     damping: float = 3e-8  # c_t [N m s/rad]
     driving_share: float = 1.0  # of J_1 in motor + gearbox + coupling; identified: 1/1.56

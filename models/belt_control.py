@@ -10,18 +10,18 @@ from .servo_kernels import Loops
 
 @dataclass(frozen=True, kw_only=True)
 class Gains:
-    """What is assumed of the controller: nothing of it is printed for the table.
+    """What is assumed of the controller: no gain of it is printed for the table.
 
-    The printed gains and phases, inverted, ask for an open loop of 22.6-23.0 1/s at 0.4, 5 and 10 Hz behind a lag of
-    7-10 ms: a gain k_v and half a sample of a slow position loop. k_v and its period were chosen on a grid for the
-    smallest difference from the six printed numbers.
+    Sample times are those printed for the 3-PRS, whose computer, drives and motors are the same. k_v and both values of
+    the speed loop were fitted to the six printed gains and phases, in a z motion of 4 mm. The five-bar's printed speed
+    loop has 154 rad/s and a corner of 82 rad/s.
     """
 
-    position_gain: float = 24.0  # k_v [1/s]
-    position_period: float = 0.015  # [s]
-    velocity_period: float = 1e-3  # [s]
-    velocity_bandwidth: float = 600.0  # of the speed loop on the axis alone [rad/s]
-    integral_corner: float = 20.0  # k_I/k_P of the speed loop [rad/s]
+    position_gain: float = 21.5  # k_v [1/s]
+    position_period: float = 5e-3  # of the 3-PRS [s]
+    velocity_period: float = 1e-3  # of the 3-PRS [s]
+    velocity_bandwidth: float = 82.0  # of the speed loop on the axis alone [rad/s]
+    integral_corner: float = 75.0  # k_I/k_P of the speed loop [rad/s]
 
     def loops(self, axis: BeltAxis) -> Loops:
         """Gains for an axis tuned by the manufacturers' inertias."""

@@ -79,13 +79,14 @@ class ClosedChain:
     def close(self, driven: ArrayLike, near: ArrayLike | None = None) -> Floats:
         """Coordinates that close all loops at driven positions (n,), followed from ``near`` (default: home).
 
-        Raises ValueError where the loops do not close.
+        They are followed in pieces of at most 0.1 rad or m, to stay in the assembly of ``near``. Raises ValueError where
+        the loops do not close.
         """
         target = np.asarray(driven, dtype=float)
         at = self.home() if near is None else np.array(near, dtype=float)
         start = at[self._driven_positions]
         pieces = max(1, int(np.ceil(np.abs(target - start).max() / 0.1)))
-        for share in np.linspace(0.0, 1.0, pieces + 1)[1:] if near is None else (1.0,):
+        for share in np.linspace(0.0, 1.0, pieces + 1)[1:]:
             at[self._driven_positions] = start + share * (target - start)
             at = self._shut(at)
         return at

@@ -36,7 +36,7 @@ def mast(
 
     from ...models.belt_control import Gains
     from ..mechatronic import mast_report
-    from ..mechatronic.mast_bandwidth import study
+    from ..mechatronic.mast_study import study
 
     options = {
         "position_gain": position_gain,
@@ -45,7 +45,9 @@ def mast(
     }
     gains = replace(Gains(), **{k: v for k, v in options.items() if v is not None})
     result = study(gains)
-    Console().print(mast_report.table(result))
+    console = Console()
+    console.print(mast_report.table(result))
+    console.print(mast_report.variant_table(result))
     for remark in mast_report.remarks(result):
         typer.echo(f"- {remark}")
     for path in mast_report.write(result, out):

@@ -14,11 +14,13 @@ def compare(
     """Friction identification, X move and circles of the five-bar beside Roldan's section 4.1."""
     from rich.console import Console
 
-    from ..mechatronic import five_bar_study
+    from ..mechatronic import five_bar_study, five_bar_variants
 
-    rows = five_bar_study.study()
-    Console().print(five_bar_study.table(rows))
-    for path in five_bar_study.write(rows, out):
+    rows, variants = five_bar_study.study(), five_bar_variants.variants()
+    console = Console()
+    console.print(five_bar_study.table(rows))
+    console.print(five_bar_study.variant_table(variants))
+    for path in five_bar_study.write(rows, variants, out):
         typer.echo(path)
 
 

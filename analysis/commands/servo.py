@@ -57,8 +57,11 @@ def command(name: str) -> Callable[..., None]:
             float | None, typer.Option(help="k_v [1/s]; by default the machine's.", min=0.0)
         ] = None,
         feedforward: Annotated[
-            float, typer.Option(help="Share of the reference's rate fed forward.", min=0.0)
-        ] = 0.0,
+            float | None,
+            typer.Option(
+                help="Share of the reference's rate fed forward; by default the machine's.", min=0.0
+            ),
+        ] = None,
         current_bandwidth: Annotated[
             float | None,
             typer.Option(
@@ -93,12 +96,12 @@ def _simulate(  # type: ignore[no-untyped-def]
     chosen, path = servo_machines.motion(machine, motion)
     given = {
         "position_gain": machine.gains.get(chosen) if gain is None else gain,
+        "feedforward": feedforward,
         "coupling": None if coupling is None else servo_loop.Coupling(coupling.value),
         "current_loop": servo_run.current_loop(current_bandwidth),
     }
     loop = machine.loop(
         scheme=servo_loop.Scheme(controller.value),
-        feedforward=feedforward,
         **{key: value for key, value in given.items() if value is not None},
     )
     with Progress(transient=True) as progress:
@@ -108,8 +111,6 @@ def _simulate(  # type: ignore[no-untyped-def]
         )
     for quantity, value in run.numbers().items():
         typer.echo(f"{quantity.replace('_', ' ')}: {value:.4g}")
-    if machine.kind is None:
-        typer.echo("no logset.yaml: no kind of log set has this machine's centres of mass")
     for written in servo_run.write(machine, run, out):
         typer.echo(written)
 

@@ -3,7 +3,7 @@
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -17,10 +17,11 @@ from ...diagrams.five_bar_loop import (
     Coupling,
     FiveBarLoop,
 )
-from ...models.paths import Circle, Line
+from ...models.paths import Circle
 from ...models.servo_axis import ServoAxis
 from ..files import write_folder
-from . import friction_identification, x_move
+from . import five_bar_variants, friction_identification
+from .five_bar_variants import CIRCLES, Variant
 from .servo_run import simulate
 
 
@@ -32,16 +33,6 @@ class Row:
     ours: float
     printed: float | None
     remark: str = ""
-
-
-class Circled(NamedTuple):
-    """What is printed of the model on a circle, read from Figs. 4.9 and 4.10."""
-
-    error: float  # of a joint [motor turns]
-    lag: float  # of the velocity [s]
-
-
-CIRCLES = {"circle": Circled(0.25, 0.1), "fast-circle": Circled(0.3, 0.25)}
 
 
 def study(seed: int = 0) -> list[Row]:
@@ -67,18 +58,18 @@ def study(seed: int = 0) -> list[Row]:
                 Row(
                     quantity="X move, off the path [mm]",
                     ours=numbers["path_deviation_mm"],
-                    printed=22.0,
-                    remark=f"at y = {HEIGHT} m, not printed, without feed-forward",
+                    printed=five_bar_variants.PRINTED,
+                    remark=f"at y = {HEIGHT} m and feed-forward {loop.feedforward}, neither printed",
                 )
             )
-            rows += _unprinted()
         else:
             rows.append(
                 Row(
                     quantity=f"{name}, joint error [motor turns]",
                     ours=numbers["joint_error_motor_turns"],
                     printed=CIRCLES[name].error,
-                    remark=f"centre {CENTRE} m and {ACCELERATION} m/s^2 along the circle not printed",
+                    remark=f"the same feed-forward; about {CENTRE} m with {ACCELERATION} m/s^2 along it, as in the X "
+                    "move: neither printed",
                 )
             )
             rows += _circle(name)
@@ -96,50 +87,36 @@ def study(seed: int = 0) -> list[Row]:
     return rows
 
 
-def _unprinted() -> list[Row]:
-    """What height and feed-forward do to the X move, by the lag of the position loop alone."""
-    path, gain = MOTIONS["x-move"], GAINS["x-move"]
-    assert isinstance(path, Line)
-    rows = [
-        Row(
-            quantity=f"X move at y = {height:.2f} m, off the path [mm]",
-            ours=off,
-            printed=x_move.PRINTED,
-            remark="lag of the position loop alone, without feed-forward",
-        )
-        for height, off in x_move.by_height(path, gain).items()
-    ]
-    share = x_move.feedforward_as_printed(path, gain)
-    return [
-        *rows,
-        Row(
-            quantity="feed-forward that gives the printed X move [-]",
-            ours=share,
-            printed=None,
-            remark=f"at y = {HEIGHT} m; no height in reach gives 22 mm without it",
-        ),
-    ]
-
-
 def _circle(name: str) -> list[Row]:
-    """What would give a circle's printed error, and what the printed lag of the velocity says of it."""
-    path, gain, printed = MOTIONS[name], GAINS[name], CIRCLES[name]
+    """What no circle at full feed could have without feed-forward, and what the printed lag of the velocity says."""
+    path, printed = MOTIONS[name], CIRCLES[name]
     assert isinstance(path, Circle)
-    share = x_move.circle_feedforward(path, gain, printed.error)
     return [
         Row(
-            quantity=f"{name}, feed-forward that gives the printed error [-]",
-            ours=share,
-            printed=None,
-            remark="lag of the position loop alone; the X move asks for its own share above",
+            quantity=f"{name}, least error without feed-forward [motor turns]",
+            ours=five_bar_variants.least_error(path, GAINS[name]),
+            printed=printed.error,
+            remark="feed / (l1 k_v), wherever the circle lies: the printed error asks for feed-forward",
         ),
         Row(
             quantity=f"{name}, error of the printed lag of {printed.lag:g} s [motor turns]",
-            ours=printed.lag * x_move.peak_rate(path),
+            ours=printed.lag * five_bar_variants.peak_rate(path),
             printed=printed.error,
             remark="largest rate times lag: the printed lag and the printed error exclude each other",
         ),
     ]
+
+
+def variant_table(variants: list[Variant]) -> Table:
+    """For the terminal."""
+    out = Table(title="One assumption changed at a time, lag of the position loop alone")
+    for heading in ("assumption", "X move [mm]", "circle [turns]", "fast circle [turns]"):
+        out.add_column(heading)
+    for v in variants:
+        out.add_row(v.name, f"{v.off_path:.1f}", f"{v.circle:.3f}", f"{v.fast_circle:.3f}")
+    errors = (f"{CIRCLES[name].error:g}" for name in ("circle", "fast-circle"))
+    out.add_row("printed", f"{five_bar_variants.PRINTED:g}", *errors)
+    return out
 
 
 def table(rows: list[Row]) -> Table:
@@ -154,9 +131,13 @@ def table(rows: list[Row]) -> Table:
     return out
 
 
-def write(rows: list[Row], out: Path) -> list[Path]:
+def write(rows: list[Row], variants: list[Variant], out: Path) -> list[Path]:
     """``comparison.json``."""
-    document: dict[str, Any] = {"source": "Roldan, section 4.1", "rows": [asdict(r) for r in rows]}
+    document: dict[str, Any] = {
+        "source": "Roldan, section 4.1",
+        "rows": [asdict(r) for r in rows],
+        "variants": [asdict(v) for v in variants],
+    }
     text = json.dumps(document, indent=1, allow_nan=False)
     return write_folder(
         out, {"comparison.json": lambda path: path.write_text(text, encoding="utf-8")}

@@ -5,7 +5,7 @@ weight in its home posture; the platform follows by forward kinematics. Response
 fundamental of the last whole cycles.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,19 +14,19 @@ from ...models import servo_kernels
 from ...models.belt_axis import IDENTIFIED, MANUFACTURER, BeltAxis
 from ...models.belt_control import Gains
 from ...models.parallel import mast, prs
+from ...models.parallel.prs import Table
 from ...models.servo_kernels import Axes
 
 Array = NDArray[np.float64]
 
 MOTIONS = {
-    "z": (0, 5e-3),
+    "z": (0, 4e-3),
     "psi": (1, np.deg2rad(2.0)),
     "theta": (2, np.deg2rad(2.0)),
-}  # assumed sizes
+}  # assumed; the size in z gives the printed difference of torques at 10 Hz
 FREQUENCIES = (0.4, 0.5, 1.0, 2.0, 3.0, 3.5, 4.0, 4.5, 5.0, 7.0, 10.0, 14.0, 20.0)  # [Hz]
 PRINTED = {0.4: (0.994, -6.3), 5.0: (0.654, -62.5), 10.0: (0.432, -103.7)}  # gain, phase [deg]
 PRINTED_BANDWIDTH = {"axes alone": 4.0, "with the table": 3.5}  # [Hz]
-OTHER_GAINS = (18.0, 20.0, 22.0)  # k_v whose -3 dB spans the printed bandwidths [1/s]
 HOME = np.array([mast.MAST.home, 0.0, 0.0])
 SUBSTEPS = 20
 SIGN_RATE = 10.78  # beta of the 5R's axes, none is printed for the table [s/rad]
@@ -51,6 +51,16 @@ class Response:
         )
 
     @property
+    def misfit(self) -> tuple[float, float]:
+        """Largest departures from what is printed: of the gain, and of the phase [deg]."""
+        at = [int(np.flatnonzero(self.frequencies == f)[0]) for f in PRINTED]
+        gain, phase = np.array(list(PRINTED.values())).T
+        return (
+            float(np.abs(self.gain[at] - gain).max()),
+            float(np.abs(self.phase[at] - phase).max()),
+        )
+
+    @property
     def phase_bandwidth(self) -> float:
         """Frequency of -45 deg [Hz]."""
         return _crossing(self.frequencies, self.phase, -45.0)
@@ -70,21 +80,32 @@ class TorqueComparison:
         return self.manufacturer / self.identified - 1.0
 
 
-def axes(axis: BeltAxis, *, table: bool) -> Axes:
+def axes(axis: BeltAxis, *, table: bool, model: Table = mast.MAST) -> Axes:
     """Plant of three axes, alone or under the table in its home posture."""
     inertia, load = (axis.driving + axis.driven) * np.eye(3), np.zeros(3)
     if table:
-        at = prs.dynamics(prs.inverse(HOME, mast.MAST), np.zeros(3), mast.MAST, HOME)
+        at = prs.dynamics(prs.inverse(HOME, model), np.zeros(3), model, HOME)
         inertia = inertia + axis.per_motor**2 * at.inertia
         load = axis.per_motor * at.gravity
     return Axes(np.linalg.inv(inertia), load, 0.0, axis.coulomb, SIGN_RATE, axis.torque_constant)
 
 
 def simulate(
-    motion: str, frequency: float, axis: BeltAxis, gains: Gains, *, table: bool
+    motion: str,
+    frequency: float,
+    axis: BeltAxis,
+    gains: Gains,
+    *,
+    table: bool,
+    size: float | None = None,
+    model: Table = mast.MAST,
 ) -> tuple[Array, Array, Array, Array]:
-    """Times (samples,), commanded and followed tasks (samples, 3), motor torques (samples, 3)."""
-    index, size = MOTIONS[motion]
+    """Times (samples,), commanded and followed tasks (samples, 3), motor torques (samples, 3).
+
+    ``size`` of the sine [m or rad], by default that of ``MOTIONS``.
+    """
+    index, usual = MOTIONS[motion]
+    size = usual if size is None else size
     cycles = max(3, int(np.ceil(2.0 * frequency)))
     samples = int(np.ceil(cycles / frequency / gains.velocity_period))
     t: Array = gains.velocity_period * np.arange(samples, dtype=float)
@@ -94,7 +115,7 @@ def simulate(
     reference = prs.inverse(task, mast.MAST) / axis.per_motor
     angle, torque = np.empty((samples, 3)), np.empty((samples, 3))
     coarse = np.ascontiguousarray(reference[:: loops.ratio])
-    plant = axes(axis, table=table)
+    plant = axes(axis, table=table, model=model)
     servo_kernels.simulate(coarse, np.zeros_like(coarse), plant, loops, SUBSTEPS, angle, torque)
     return t, task, prs.forward(angle * axis.per_motor, mast.MAST), torque
 
@@ -106,11 +127,15 @@ def response(
     *,
     table: bool = True,
     frequencies: tuple[float, ...] = FREQUENCIES,
+    size: float | None = None,
+    model: Table = mast.MAST,
 ) -> Response:
     """Closed-loop response of one motion."""
     rows = []
     for f in frequencies:
-        t, task, followed, torque = simulate(motion, f, axis, gains or Gains(), table=table)
+        t, task, followed, torque = simulate(
+            motion, f, axis, gains or Gains(), table=table, size=size, model=model
+        )
         index, _ = MOTIONS[motion]
         last = t >= t[-1] - 1.0 / f * np.floor(max(1.0, f * 0.5 * t[-1]))
         asked, got = (_fundamental(x[last, index], t[last], f) for x in (task, followed))
@@ -137,33 +162,6 @@ def compare_torques(gains: Gains | None = None) -> list[TorqueComparison]:
             peaks.append(0.5 * float(np.ptp(steady)))
         found.append(TorqueComparison(frequency=f, manufacturer=peaks[0], identified=peaks[1]))
     return found
-
-
-@dataclass(frozen=True, kw_only=True)
-class Study:
-    """Everything ``gapscope bandwidth mast`` reports."""
-
-    gains: Gains
-    responses: list[Response]
-    torques: list[TorqueComparison]
-    resonances: tuple[float, float]  # of TF_2 and TF_1 [Hz]
-    inertia_spread: float
-    by_gain: dict[float, Response]  # z with the table at other k_v [1/s]
-
-
-def study(gains: Gains | None = None) -> Study:
-    """All responses and torques."""
-    used = gains or Gains()
-    responses = [response(m, gains=used) for m in MOTIONS]
-    responses.append(response("z", gains=used, table=False))
-    return Study(
-        gains=used,
-        responses=responses,
-        torques=compare_torques(used),
-        resonances=MANUFACTURER.resonances,
-        inertia_spread=posture_spread(),
-        by_gain={k: response("z", gains=replace(used, position_gain=k)) for k in OTHER_GAINS},
-    )
 
 
 def posture_spread() -> float:

@@ -20,7 +20,7 @@ class ServoMachine:
     loop: Callable[..., ServoLoop]  # settings, with defaults
     motions: dict[str, ToolPath]  # the first is the default
     gains: dict[str, float] = field(default_factory=dict)  # k_v that goes with a motion [1/s]
-    kind: str | None  # of its log sets; none: the log set could not say its nominal model
+    kind: str  # of its log sets
     joint_unit: str  # rad or m
     nominal: Callable[[Any], dict[str, float]]  # of the machine, in ``system.nominal``
 
@@ -105,7 +105,7 @@ MACHINES = {
         title="RePlaLink",
         loop=replalink_loop.RePlaLinkLoop,
         motions=replalink_loop.MOTIONS,
-        kind=None,
+        kind="replalink",
         joint_unit="rad",
         nominal=_five_bar,
     ),

@@ -154,22 +154,21 @@ def _diverged(loop: ServoLoop, time: float) -> InputError:
 
 
 def write(machine: ServoMachine, run: ServoRun, out: Path) -> list[Path]:
-    """``run1.csv``, ``run1.png`` and, where the machine has one, ``logset.yaml``; all finished before any is in place."""
+    """``run1.csv``, ``run1.png`` and ``logset.yaml``; all finished before any is in place."""
     from .servo_plot import plot
 
     numbers = range(1, len(run.loop.machine.joints) + 1)
     names = [f"{word.format(i)}" for word in ("q{}_ref", "q{}", "current{}") for i in numbers]
     columns = np.column_stack([run.t, run.joint_reference, run.joint_position, run.current])
     header = ",".join(("t", *names))
+    document = yaml.safe_dump(logset_document(machine, run), sort_keys=False)
     files: dict[str, Callable[[Path], Any]] = {
         "run1.csv": lambda path: np.savetxt(
             path, columns, delimiter=",", comments="", header=header, fmt="%.12g"
         ),
         "run1.png": lambda path: plot(machine, run, path),
+        "logset.yaml": lambda path: path.write_text(document, encoding="utf-8"),
     }
-    if machine.kind is not None:
-        text = yaml.safe_dump(logset_document(machine, run), sort_keys=False)
-        files["logset.yaml"] = lambda path: path.write_text(text, encoding="utf-8")
     return write_folder(out, files)
 
 

@@ -17,7 +17,7 @@ from gapscope.diagrams.servo_loop import Coupling
 QUICK = {"step": 5e-4, "velocity_period": 1e-3, "position_period": 5e-3}
 
 
-@pytest.mark.parametrize("name", ["5r", "2prr", "mast", "3prs"])
+@pytest.mark.parametrize("name", ["5r", "2prr", "replalink", "mast", "3prs"])
 def test_log_set_says_the_machine_that_was_simulated(name, tmp_path):
     """The reader of its kind builds the same equations from ``system.nominal``."""
     machine = servo_machines.servo_machine(name)
@@ -78,12 +78,10 @@ def test_divergence_is_one_error_that_names_the_other_coupling():
 
 
 def test_command_runs_end_to_end(tmp_path):
-    """The RePlaLink's centres of mass are in no kind of log set: it says so and writes none."""
     out = tmp_path / "out"
     done = CliRunner().invoke(app, ["simulate", "replalink", "--out", str(out)])
     assert done.exit_code == 0, done.output
-    assert "no logset.yaml" in done.output
-    assert {p.name for p in out.iterdir()} == {"run1.csv", "run1.png"}
+    assert {p.name for p in out.iterdir()} == {"run1.csv", "run1.png", "logset.yaml"}
     rows = np.loadtxt(out / "run1.csv", delimiter=",", skiprows=1)
     assert rows.shape[1] == 7
 
