@@ -14,8 +14,9 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from . import blind_check, blind_score
-from .blind_score import Estimate, Outcome
+from . import blind_check, blind_score, blind_statistics
+from .blind_score import Outcome
+from .blind_statistics import Estimate
 from .files import write_whole
 
 BLUE, ORANGE, GREEN, VERMILION = "#0072B2", "#E69F00", "#009E73", "#D55E00"  # Okabe and Ito
@@ -115,6 +116,8 @@ def markdown(
     lines += [f"| {what} | {_percent(numbers[key])} | {numbers[key].n} |" for what, key in RATES]
     lines += [
         f"| claimed minus attainable shrinkage, median size (percentage points) | {_number(numbers['shrinkage_error_percent'])} | {numbers['shrinkage_error_percent'].n} |",
+        f"| share of the explainable gap removed, abstentions counted as none, median (%) | {_number(numbers['removed_of_all_percent'])} | {numbers['removed_of_all_percent'].n} |",
+        f"| expected calibration error of all claims, faint, off-library and no-effect cases too | {_number(numbers['ece_all'])} | {numbers['ece_all'].n} |",
         f"| seconds a diagnosis, median | {_number(numbers['seconds'])} | {numbers['seconds'].n} |",
         "",
         "## By mechanism (single effects)",
@@ -211,8 +214,8 @@ def draw_calibration(outcomes: Sequence[Outcome]) -> Figure:
     axes.plot([0, 1], [0, 1], color="0.6", linewidth=1, label="calibrated")
     if pairs:
         rows = np.array(pairs, dtype=float)
-        for _, confidence, accuracy, count in blind_score.reliability(rows):
-            e = blind_score.proportion(
+        for _, confidence, accuracy, count in blind_statistics.reliability(rows):
+            e = blind_statistics.proportion(
                 [True] * round(accuracy * count) + [False] * round((1 - accuracy) * count)
             )
             axes.errorbar(
@@ -226,7 +229,7 @@ def draw_calibration(outcomes: Sequence[Outcome]) -> Figure:
             axes.annotate(
                 f"n = {count}", (confidence, accuracy), (6, -10), textcoords="offset points"
             )
-        axes.set_title(f"Expected calibration error {blind_score.calibration_error(rows):.3f}")
+        axes.set_title(f"Expected calibration error {blind_statistics.calibration_error(rows):.3f}")
     axes.set_xlabel("stated probability [-]")
     axes.set_ylabel("share right [-], 95 % Wilson")
     axes.set_xlim(-0.02, 1.12)

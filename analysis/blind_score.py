@@ -9,17 +9,16 @@ times the repeatability floor (measured by the generator, against the same machi
 Proportions carry Wilson intervals, the rest percentile-bootstrap intervals over cases, both 95 %.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
-Array = NDArray[np.float64]
+from .blind_statistics import Estimate, bootstrapped, calibration_error, median, proportion
+
 VISIBLE = 5.0  # times the floor
-BINS = 10
 UNKNOWN = frozenset({"unknown"})
 EXPLAINED, NO_GAP, UNEXPLAINED, AMBIGUOUS, FAILED = (
     "explained",
@@ -148,62 +147,6 @@ def _comparable(
     return pairs
 
 
-@dataclass(frozen=True, kw_only=True)
-class Estimate:
-    """A number with its 95 % interval and the number of cases behind it."""
-
-    value: float
-    low: float
-    high: float
-    n: int
-
-
-def proportion(hits: Sequence[bool]) -> Estimate:
-    """Share of hits with the Wilson interval; nan and [0, 1] for no cases."""
-    n, k = len(hits), sum(hits)
-    if n == 0:
-        return Estimate(value=float("nan"), low=0.0, high=1.0, n=0)
-    interval = stats.binomtest(k, n).proportion_ci(method="wilson")
-    return Estimate(value=k / n, low=float(interval.low), high=float(interval.high), n=n)
-
-
-def bootstrapped(
-    statistic: Callable[[Array], float], rows: Sequence[Sequence[float]], *, resamples: int = 2000
-) -> Estimate:
-    """``statistic`` of an (n, columns) array, resampling rows (seeded)."""
-    data = np.asarray(rows, dtype=float)
-    n = len(data)
-    if n == 0:
-        return Estimate(value=float("nan"), low=float("nan"), high=float("nan"), n=0)
-    rng = np.random.default_rng(0)
-    values = [statistic(data[rng.integers(n, size=n)]) for _ in range(resamples)]
-    low, high = np.percentile(values, [2.5, 97.5])
-    return Estimate(value=statistic(data), low=float(low), high=float(high), n=n)
-
-
-def calibration_error(confidence_and_right: Array) -> float:
-    """Expected calibration error of (n, 2) rows: sum over ten bins of n_b/n |accuracy - confidence|."""
-    error = 0.0
-    for _, confidence, accuracy, count in reliability(confidence_and_right):
-        error += count / len(confidence_and_right) * abs(accuracy - confidence)
-    return error
-
-
-def reliability(confidence_and_right: Array) -> list[tuple[int, float, float, int]]:
-    """(bin, mean confidence, accuracy, count) of every bin that holds a case."""
-    confidence, right = confidence_and_right.T
-    bins = np.minimum((confidence * BINS).astype(int), BINS - 1)
-    return [
-        (
-            int(b),
-            float(confidence[bins == b].mean()),
-            float(right[bins == b].mean()),
-            int(sum(bins == b)),
-        )
-        for b in np.unique(bins)
-    ]
-
-
 def risk_coverage(outcomes: Sequence[Outcome]) -> list[tuple[float, float]]:
     """(coverage, risk) as ever less confident claims are accepted, over cases that have a gap.
 
@@ -254,6 +197,8 @@ def summary(outcomes: Sequence[Outcome]) -> dict[str, Any]:
     none = [o for o in outcomes if o.kind == "none"]
     gaps = [o for o in visible if o.kind in ("single", "double")]
     sure = [(o.confidence, float(o.right)) for o in visible if o.confidence is not None]
+    stated = [(o.confidence, float(o.right)) for o in outcomes if o.confidence is not None]
+    of_all = [[(o.shrinkage or 0.0) if o.claimed else 0.0] for o in gaps]
     removed = [[o.shrinkage] for o in gaps if o.claimed and o.shrinkage is not None]
     both = [
         (o.shrinkage, o.attainable)
@@ -302,11 +247,13 @@ def summary(outcomes: Sequence[Outcome]) -> dict[str, Any]:
             ]
         ),
         "ece": bootstrapped(calibration_error, sure),
-        "removed_percent": bootstrapped(_median, removed),
+        "ece_all": bootstrapped(calibration_error, stated),
+        "removed_percent": bootstrapped(median, removed),
+        "removed_of_all_percent": bootstrapped(median, of_all),
         "shrinkage_error_percent": bootstrapped(
             lambda a: float(np.median(np.abs(a[:, 0] - a[:, 1]))), both
         ),
-        "seconds": bootstrapped(_median, [[o.seconds] for o in outcomes]),
+        "seconds": bootstrapped(median, [[o.seconds] for o in outcomes]),
         "by_mechanism": {
             name: {
                 "top1": proportion([o.right for o in rows]),
@@ -325,10 +272,6 @@ def summary(outcomes: Sequence[Outcome]) -> dict[str, Any]:
     }
 
 
-def _median(column: Array) -> float:
-    return float(np.median(column))
-
-
 def _parameter_errors(outcomes: Sequence[Outcome]) -> dict[str, Estimate]:
     """Median relative error of every parameter both sides name alike, in rightly named cases."""
     errors: dict[str, list[list[float]]] = {}
@@ -336,4 +279,4 @@ def _parameter_errors(outcomes: Sequence[Outcome]) -> dict[str, Estimate]:
         for effect, name, true, estimated in o.parameters:
             size = abs(estimated - true) / max(abs(true), 1e-12)
             errors.setdefault(f"{effect} {name}", []).append([size])
-    return {key: bootstrapped(_median, rows) for key, rows in sorted(errors.items())}
+    return {key: bootstrapped(median, rows) for key, rows in sorted(errors.items())}

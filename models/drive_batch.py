@@ -8,7 +8,7 @@ and whole samples of delay are in all sets or in none (``require_alike``).
 """
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
@@ -54,8 +54,21 @@ def stacked(plants: Sequence[Drive]) -> Drive:
 
 def require_alike(plants: Drive, dt: float) -> None:
     """Raise ValueError, naming the constant, where the sets do not have in common what they must."""
+    for name, values in _common(plants, dt).items():
+        if not np.all(values == values[:1]):
+            raise ValueError(f"parameter sets differ in: {name}; expected the same in all sets")
+
+
+def likeness(plant: Drive, dt: float) -> Hashable:
+    """Equal for drives that can be sets of one batch."""
+    shared = plant.elements.shape, plant.elements.tobytes()
+    return shared, *(values.tobytes() for values in _common(repeated(plant, 1), dt).values())
+
+
+def _common(plants: Drive, dt: float) -> dict[str, Any]:
+    """What the sets must have in common, arrays (sets, ...) by name."""
     element, shaft, coupling = plants.element, plants.shaft, plants.coupling
-    common = {
+    return {
         "presliding stiffness, zero or not": element[:, :, drive.STIFFNESS] != 0.0,
         "whole samples of delay": np.floor(shaft[:, :, drive.DELAY] / dt),
         "lag, zero or not": shaft[:, :, drive.LAG] != 0.0,
@@ -63,9 +76,6 @@ def require_alike(plants: Drive, dt: float) -> None:
         "shafts of a coupling": coupling[:, :, : drive.COUPLING_STIFFNESS],
         "clearance of a coupling, zero or not": coupling[:, :, drive.GAP] != 0.0,
     }
-    for name, values in common.items():
-        if not np.all(values == values[:1]):
-            raise ValueError(f"parameter sets differ in: {name}; expected the same in all sets")
 
 
 def simulate(
@@ -111,19 +121,26 @@ def predict(
     threads: int | None = None,
     first_sensed: int = 0,
 ) -> Floats:
-    """``drive_kernels.predict`` of each set of ``plants``: errors (sets, samples, n)."""
+    """``drive_kernels.predict`` of each set of ``plants``: errors (sets, samples, n).
+
+    ``position`` and ``command`` are (samples, n) for all sets, or (sets, samples, n).
+    """
     require_alike(plants, dt)
-    sizes, sensors = _sizes(plants), stack.axis(position.shape[1])
-    before = stack.axis(first_sensed)
+    sizes, sensors = _sizes(plants), stack.axis(position.shape[-1])
+    before, sets = stack.axis(first_sensed), len(plants.shaft)
+    shape = (sets, *position.shape[-2:])
+    position, command = np.broadcast_to(position, shape), np.broadcast_to(command, shape)
 
-    def chunk(blocks: Drive) -> Floats:
-        residual = np.empty((len(blocks.shaft), *position.shape, LANES))
-        _predict(
-            position, command, blocks, sizes, sensors, dt, substeps, bandwidth, residual, before
-        )
-        return np.moveaxis(residual, -1, 1).reshape(-1, *position.shape)
+    def chunk(part: tuple[int, Drive]) -> Floats:
+        first, blocks = part
+        chosen = slice(first, first + len(blocks.shaft) * LANES)
+        seen, driven = (np.ascontiguousarray(a[chosen], float) for a in (position, command))
+        residual = np.empty_like(seen)
+        _predict(seen, driven, blocks, sizes, sensors, dt, substeps, bandwidth, residual, before)
+        return residual
 
-    return np.concatenate(_on_threads(chunk, _chunks(plants), threads))[: len(plants.shaft)]
+    starts = range(0, sets, BLOCKS * LANES)
+    return np.concatenate(_on_threads(chunk, zip(starts, _chunks(plants)), threads))
 
 
 def _sizes(plants: Drive) -> drive_stack.Sizes:
@@ -131,8 +148,10 @@ def _sizes(plants: Drive) -> drive_stack.Sizes:
 
 
 def _on_threads(
-    work: Callable[[Drive], Floats], chunks: Iterator[Drive], threads: int | None
+    work: Callable[[Any], Floats], chunks: Iterable[Any], threads: int | None
 ) -> list[Floats]:
+    if threads == 1:
+        return [work(chunk) for chunk in chunks]
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
         return list(pool.map(work, chunks))
 
@@ -229,8 +248,23 @@ def _predict(
     residual: Any,
     before: stack.Axis,
 ) -> None:
-    for b in range(residual.shape[0]):
+    sets, samples, n = residual.shape
+    seen, driven = np.empty((samples, n, LANES)), np.empty((samples, n, LANES))
+    error = np.empty((samples, n, LANES))
+    for b in range(len(plants.shaft)):
+        for lane in range(LANES):
+            _copy_run(position[min(b * LANES + lane, sets - 1)], seen[:, :, lane])
+            _copy_run(command[min(b * LANES + lane, sets - 1)], driven[:, :, lane])
         drive_kernels.prediction(
-            position, command, _block(plants, b), sizes, sensors, dt, substeps, bandwidth,
-            in_lanes(residual[b]), before,
+            in_lanes(seen), in_lanes(driven), _block(plants, b), sizes, sensors, dt, substeps,
+            bandwidth, in_lanes(error), before,
         )  # fmt: skip
+        for lane in range(min(LANES, sets - b * LANES)):
+            _copy_run(error[:, :, lane], residual[b * LANES + lane])
+
+
+@compilation.inlined
+def _copy_run(source: Any, target: Any) -> None:
+    for k in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[k, j] = source[k, j]

@@ -136,7 +136,7 @@ def torque_constant(rng: np.random.Generator, m: Machine) -> Draw:
 def ripple(rng: np.random.Generator, m: Machine) -> Draw:
     """Torque periodic in motor angle."""
     side, size = sides(rng, 0.09, 0.35)
-    order, phase = float(rng.choice((1, 2, 3, 4, 6, 8, 12))), float(rng.uniform(0, 2 * np.pi))
+    order, phase = log_uniform(rng, 1.0, 12.0), float(rng.uniform(0, 2 * np.pi))
     changed = m._replace(ripple=size, ripple_order=order, ripple_phase=phase)
     return changed, {"where": side, "amplitude_Nm": max(size), "per_revolution": order}
 

@@ -90,7 +90,7 @@ def torque_constant(rng: Random, m: Slider) -> Draw:
 
 def ripple(rng: Random, m: Slider) -> Draw:
     """Force periodic in position."""
-    size, length = log_uniform(rng, 8.0, 40.0), float(rng.choice((0.005, 0.01, 0.02, 0.03)))
+    size, length = log_uniform(rng, 8.0, 40.0), log_uniform(rng, 4e-3, 4e-2)
     changed = m._replace(
         ripple=size, ripple_length=length, ripple_phase=float(rng.uniform(0, 2 * np.pi))
     )

@@ -35,7 +35,7 @@ def identify(
     """Base parameters, exciting motion, estimates with intervals, validation, SDF.
 
     The measurement is simulated by the machine's plant with closures, with planted parameters, friction and
-    noise. `pattern` and `cma` need the optional extra `identification` of gapscope.
+    noise. `pattern` needs the optional extra `identification` of gapscope.
     """
     from dataclasses import replace
 

@@ -15,6 +15,7 @@ from .impacts import beside_impacts, with_other_shifts
 from .prediction import Predictor
 from .pruning import pruned
 from .ranking import Ranked, best_by_ids, rank
+from .scan import effects_looked_for, forms_found
 
 BEAM = 2  # single effects that a second one is added to
 LEAST_GAIN = 0.02  # smallest fall of the score worth another effect or another set of them
@@ -32,7 +33,8 @@ def attribute(
     progress: Progress,
 ) -> list[Ranked]:
     """Every hypothesis that was tried, best first; ``floor`` in the unit of the residual."""
-    plain = [form for form in forms if not form.refined]
+    looked_for = effects_looked_for(predictor)  # whose lists of shapes a spectrum replaces
+    plain = [form for form in forms if not form.refined and form.effect not in looked_for]
     refined = [form for form in forms if form.refined]
     best, fits = _forward(predictor, retuned, plain, floor, progress)
     exchanged = in_other_forms(predictor, best, plain, progress)
@@ -49,7 +51,7 @@ def _forward(
     predictor: Predictor, retuned: Fit, forms: Sequence[Form], floor: float, progress: Progress
 ) -> tuple[Fit, list[Fit]]:
     """The best of forward selection, and all fits that it made."""
-    tried = with_each(predictor, retuned, forms, progress)
+    tried = with_each(predictor, retuned, [*forms, *forms_found(predictor, retuned)], progress)
     singles = [pruned(predictor, f) for f in best_by_ids(tried)]
     fits = [retuned, *singles]
     parents = _beam([f for f in sorted(singles, key=lambda f: f.score) if _better(f, retuned)])
@@ -68,7 +70,8 @@ def _forward(
         reserve = []
         if best.hypothesis.rough and len(best.hypothesis.forms) == 1:
             children += beside_impacts(predictor, retuned, best, forms, progress)
-            children += with_each(predictor, best, [f for f in forms if not f.shifts], progress)
+            beside = [f for f in (*forms, *forms_found(predictor, best)) if not f.shifts]
+            children += with_each(predictor, best, beside, progress)
         if not children:
             break
         children.sort(key=lambda f: f.score)

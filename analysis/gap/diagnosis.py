@@ -27,7 +27,7 @@ from .hypothesis import Fit, Hypothesis
 from .inverse_model import Structure
 from .law_error import within_law
 from .logset import LogSet, load_logset
-from .machine import Array, Machine, RunData, rms
+from .machine import Array, Machine, RunData, encoder_step, rms
 from .machines import read_machine, stated_encoder_step
 from .order import Share, order_shares
 from .prediction import Predictor
@@ -37,6 +37,7 @@ from .signals import SignalFinding
 from .verdict import Verdict, confirmed, decide, doubted, in_step, with_findings, with_late_clock
 
 HELD_BACK = 0.3  # share of a lone run's end that is kept for validation
+UNSAID = "note", "answer"  # keys of a run that a diagnosis does not repeat
 SIGNAL_PROBABILITY = 0.99  # of a signal finding, which passes its own strict test or is not made
 
 Progress = Callable[[str], None]
@@ -145,6 +146,8 @@ class Diagnosis:
             "validation_error": self.validation[frozenset(hypothesis.ids)],
             "held_out_error": ranked.fit.held_out_rms,
             "fit_error": ranked.fit.rms,
+            # Not searched: held-out error and gain are its parent's, less what a linear step gains on the fit runs.
+            "searched": ranked.fit.searched,
             "gain_over_retuned": ranked.gain,
             "gain_ci95": list(ranked.gain_interval),
             "parameters": hypothesis.size,
@@ -237,7 +240,7 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
         shrinkage=shrunk,
         closed_loop=loops,
         leading=leading,
-        inverse_model=tuple(machine.inverse_model(runs)),
+        inverse_model=tuple(machine.inverse_model(fit_runs)),
         warnings=(*_warnings(log, runs, replays, confused, shrunk), *machine.remarks(fit_runs)),
         next_experiment=_next_experiment(predictor, ranking, verdict),
         provenance=_provenance(log, seed, predictor.simulations, time.perf_counter() - started),
@@ -251,8 +254,9 @@ def _with_validation(runs: Sequence[RunData]) -> list[RunData]:
     split = []
     for run in runs:
         cut = int(len(run.t) * (1.0 - HELD_BACK))
-        split.append(replace(run, window=slice(0, cut)))
-        split.append(replace(run, use="validate", window=slice(cut, None)))
+        step = encoder_step(run.position[:cut]) if run.lsb > 0.0 else run.lsb
+        split.append(replace(run, window=slice(0, cut), lsb=step))
+        split.append(replace(run, use="validate", window=slice(cut, None), lsb=step))
     return split
 
 
@@ -347,7 +351,7 @@ def _next_experiment(
     run = predictor.runs[int(np.argmax(difference))]
     design = "`gapscope design LOGSET` finds the motion that separates the two best"
     return {
-        "repeat": {"run": run.name, **{k: v for k, v in run.settings.items() if k != "note"}},
+        "repeat": {"run": run.name, **{k: v for k, v in run.settings.items() if k not in UNSAID}},
         "separates": [list(first.hypothesis.ids), list(second.hypothesis.ids)],
         "prediction_difference": max(difference),
         "unit": predictor.machine.residual_unit,

@@ -5,19 +5,21 @@ the encoders will be one sample later, corrected by a fixed-gain observer.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ...models import drive_kernels
 from ...models.drive import Drive
+from . import batches
 from . import floor as floors
 from .machine import Array, Machine, RunData
 
 if TYPE_CHECKING:
     from .clock import ReplayCheck
-    from .effects import Form
+    from .effects import Form, Scan
     from .inverse_model import Structure
     from .signals import SignalFinding
 
@@ -98,11 +100,23 @@ class DriveMachine(Machine):
         )
         return np.asarray((residual * scale)[run.window])
 
+    def predict_all(
+        self, tasks: Sequence[tuple[RunData, Any]], submit: Callable[..., Future[Any]]
+    ) -> list[Array]:
+        """``predict`` of every run and plant, those of one structure side by side."""
+        return batches.predict_all(self, tasks, submit)
+
     def forms(self, runs: Sequence[RunData]) -> "list[Form]":
         """All forms of the catalogue, scaled to the runs."""
         from .effects import forms_for, scales_of  # effects name this class
 
         return forms_for(self, scales_of(runs))
+
+    def scans(self, runs: Sequence[RunData]) -> "list[Scan]":
+        """Shapes of the catalogue's effects."""
+        from .effects import scales_of, scans_for
+
+        return scans_for(self, scales_of(runs))
 
     @property
     def designable(self) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 from .hypothesis import Fit, Hypothesis
 from .machine import Array
 from .prediction import Predictor, Problem, flatten
-from .search import search
+from .search import refit, search
 
 SCREEN = 0.004  # a form whose linearised loss falls by less than this share is not pursued
 MOST_STEPS = 20  # of a least-squares search
@@ -21,8 +21,13 @@ FIRST_STEPS = 4  # of a search that is only taken further where it leads somewhe
 BLOCKS = 30  # blocks of a run whose losses are resampled together
 FEW_RUNS = 2  # up to this many are held out by stretches of time, not whole
 FOLDS = 4  # stretches of such a run
-PARTS_OF_STEP = 1.0, 0.5, 0.25, 0.125, 0.0  # of a Gauss-Newton step without a piece
-DOUBTFUL = 1.1  # ratio of the loss of a held-out piece to that of the same piece fitted
+PARTS_OF_STEP = (
+    0.5,
+    0.25,
+    0.125,
+)  # of a Gauss-Newton step without a piece that does not help the others
+REFIT_STEPS = 6  # of a search without a piece, where no such part helps
+ROUNDING = 1e-9  # relative rise of a loss that is none
 
 
 def fit(
@@ -70,6 +75,7 @@ def fit(
         residual=residual,
         jacobian=jac,
         finished=finished,
+        searched=searched or warm is None,
     )
 
 
@@ -85,8 +91,9 @@ def _held_out(
     """Residuals of every piece at parameters that did not see it.
 
     The parameters without a piece are one Gauss-Newton step from the full solution, the piece is then
-    predicted in full. A step that predicts it much worse is shortened until it helps the others, as a step that
-    fits them does. A piece is a run, or a stretch of time where runs are few: one of two runs may be the
+    predicted in full. A step that fits the others worse is shortened until it does not; where none helps, a short
+    search without the piece starts from the full solution.
+    A piece is a run, or a stretch of time where runs are few: one of two runs may be the
     only one that shows a parameter.
     """
     if x.size == 0:
@@ -106,23 +113,44 @@ def _held_out(
     prior = variance * 12.0 / np.square(problem.upper - problem.lower)[active]
     ridge = np.diag(prior + 1e-9 * max(float(np.sum(jac**2)), 1e-300))
     hessian, gradient = jac[:, active].T @ jac[:, active], jac[:, active].T @ residual
+    steps = np.zeros((len(pieces), x.size))
+    rows = [slice(starts[i] + n * p.start, starts[i] + n * p.stop) for i, p in pieces]
+    for step, seen in zip(steps, rows):
+        J = jac[seen][:, active]
+        step[active] = -np.linalg.solve(hessian - J.T @ J + ridge, gradient - J.T @ residual[seen])
+    points = np.clip(x + steps, problem.lower, problem.upper)
     held_out = [np.array(r) for r in final]
-    for run, piece in pieces:
-        rows = slice(starts[run] + n * piece.start, starts[run] + n * piece.stop)
-        J = jac[rows][:, active]
-        step = np.zeros(x.size)
-        step[active] = -np.linalg.solve(hessian - J.T @ J + ridge, gradient - J.T @ residual[rows])
-        for part in PARTS_OF_STEP:
-            point = np.clip(x + part * step, problem.lower, problem.upper)
-            there = problem.runs([point], [problem.predictor.runs[run]])[0][0][piece]
-            held_out[run][piece] = there
-            if np.sum(there**2) < DOUBTFUL * np.sum(final[run][piece] ** 2):
-                break
-            if _loss_without(problem.runs([point])[0], run, piece) <= _loss_without(
-                final, run, piece
-            ):
-                break
+    for (run, piece), step, seen, whole in zip(pieces, steps, rows, problem.runs(list(points))):
+        found = _without_piece(problem, final, x, step, (run, piece), seen, whole)
+        held_out[run][piece] = found[run][piece]
     return held_out
+
+
+def _without_piece(
+    problem: Problem,
+    final: Sequence[Array],
+    x: Array,
+    step: Array,
+    piece: tuple[int, slice],
+    rows: slice,
+    whole: Sequence[Array],
+) -> Sequence[Array]:
+    """Residuals of all runs at parameters that did not see a piece; ``whole`` are those after the whole ``step``.
+
+    What the piece itself becomes decides nothing. Beside impacts, where slopes may mislead, the full solution ``x`` is
+    kept when no part of the step helps the others.
+    """
+    least = _loss_without(final, *piece) * (1.0 + ROUNDING)
+    if _loss_without(whole, *piece) <= least:
+        return whole
+    for part in PARTS_OF_STEP:
+        point = np.clip(x + part * step, problem.lower, problem.upper)
+        there = problem.runs([point])[0]
+        if _loss_without(there, *piece) <= least:
+            return list(there)
+    if problem.rough:
+        return final
+    return list(problem.runs([refit(problem, x, rows, REFIT_STEPS)])[0])
 
 
 def _loss_without(residuals: Sequence[Array], run: int, piece: slice) -> float:

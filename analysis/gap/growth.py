@@ -9,6 +9,7 @@ from .fitting import FIRST_STEPS, SCREEN, fit
 from .hypothesis import Fit
 from .prediction import Predictor
 from .ranking import best_by_ids
+from .scan import forms_found
 
 MOST_EFFECTS = 3
 FURTHER_SCREEN = 0.08  # a further effect must lower the loss by more; its price alone asks for 0.18
@@ -62,9 +63,10 @@ def grown(
     """The parents with one effect more each, best first, sets of effects not tried before."""
     known = {frozenset(f.hypothesis.ids) for f in tried}
     smooth = [p for p in parents if not p.hypothesis.rough]
-    # Impacts are dear: beside the best only, and not where impacts themselves are far better.
-    best = min((p.rms for p in parents), default=0.0)
-    beside_impacts = smooth[0] if smooth and smooth[0].rms < CONTENDER * best else None
+    # Impacts are dear: beside the best only, not where impacts themselves are far better, and then in their form.
+    best = min(parents, key=lambda p: p.rms, default=None)
+    beside_impacts = smooth[0] if smooth and best and smooth[0].rms < CONTENDER * best.rms else None
+    known_impacts = [f for p in parents for f in p.hypothesis.forms if f.step > 0.0]
     children = [
         child
         for parent in smooth
@@ -74,9 +76,10 @@ def grown(
             parent,
             [
                 f
-                for f in forms
+                for f in [*forms, *forms_found(predictor, parent)]
                 if frozenset((*parent.hypothesis.ids, f.effect)) not in known
                 and (f.step == 0.0 or parent is beside_impacts)
+                and (f.step == 0.0 or f in known_impacts or not known_impacts)
             ],
             progress,
         )

@@ -119,6 +119,7 @@ class Fit:
     residual: Array = field(default_factory=lambda: np.zeros(0))
     jacobian: Array = field(default_factory=lambda: np.zeros((0, 0)))
     finished: bool = True  # whether the search ended by itself
+    searched: bool = True  # False where a linear step showed that a search does not pay
 
     def by_key(self) -> dict[tuple[str, str], float]:
         """Values by key."""

@@ -1,7 +1,8 @@
 """What the instrument needs to know of a machine: own parameters, signals, and how it is predicted."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from .floor import repeatability_floor
 
 if TYPE_CHECKING:
     from .clock import ReplayCheck
-    from .effects import Effect, Form
+    from .effects import Effect, Form, Scan
     from .inverse_model import Structure
     from .law_error import LawError
     from .signals import SignalFinding
@@ -82,9 +83,19 @@ class Machine(ABC):
     def predict(self, run: RunData, plant: Any) -> Array:
         """Residual (samples, n) of a finished plant over the window of the run [residual unit]."""
 
+    def predict_all(
+        self, tasks: Sequence[tuple[RunData, Any]], submit: Callable[..., Future[Any]]
+    ) -> list[Array]:
+        """``predict`` of every run and plant, each ``submit``-ted to threads."""
+        return [future.result() for future in [submit(self.predict, *task) for task in tasks]]
+
     @abstractmethod
     def forms(self, runs: Sequence[RunData]) -> "list[Form]":
         """Every form of every effect that can act on this machine, scaled to the runs."""
+
+    def scans(self, runs: Sequence[RunData]) -> "list[Scan]":
+        """Shapes, such as a period, that are looked for in what a fit leaves."""
+        return []
 
     def catalogue(self) -> "Mapping[str, Effect]":
         """Effects by id that machines of this sort can have, for the words of the report."""

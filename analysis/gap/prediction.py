@@ -32,21 +32,20 @@ class Predictor:
         runs: Sequence[RunData] | None = None,
     ) -> list[list[Array]]:
         """Residuals (samples, n) of every run at every point, in parallel."""
-        tasks = []
         chosen = self.runs if runs is None else runs
+        tasks = []
         for point in points:
             values = dict(zip(keys, point))
             plants = {t: hypothesis.plant(self.machine, values, t) for t in _times(chosen)}
-            tasks.append(
-                [self._pool.submit(self._predict, run, plants[run.start]) for run in chosen]
-            )
-        return [[task.result() for task in row] for row in tasks]
+            tasks += [(run, plants[run.start]) for run in chosen]
+        found = [self._held(r) for r in self.machine.predict_all(tasks, self._pool.submit)]
+        self.simulations += len(tasks)
+        return [found[i : i + len(chosen)] for i in range(0, len(found), len(chosen))]
 
-    def _predict(self, run: RunData, plant: Any) -> Array:
-        residual = self.machine.predict(run, plant)
-        self.simulations += 1
+    def _held(self, residual: Array) -> Array:
+        """The residual, or a large constant where the prediction diverged."""
         if not np.all(np.abs(residual) < DIVERGED * self.spread):  # NaN is not, either
-            residual = np.full_like(residual, DIVERGED * self.spread)
+            return np.full_like(residual, DIVERGED * self.spread)
         return residual
 
 

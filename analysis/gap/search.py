@@ -4,20 +4,17 @@ from collections.abc import Collection, Sequence
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import least_squares, lsq_linear, minimize
+from scipy.optimize import least_squares, lsq_linear
 
+from .evolution import FIRST_GENERATIONS, GENERATIONS, evolve
 from .hypothesis import Fit
 from .machine import Array
 from .prediction import Problem, flatten
 
 ENOUGH = 1e-4  # relative fall of the loss that ends a search; decisions are 40 times coarser
-ROUGH_STEPS = 60, 120  # predictions of all runs in a search without derivatives: effects, then all
 FEW = 9  # best starting points from which second values are tried
-MOST_ROUNDS = 2  # of both searches
-STEP_COST = 15  # such predictions per step of a search by derivatives
 LINE = 1.0, 0.5, 0.2  # parts of a linear step that are tried beside impacts
-ROUND = 0.02  # relative fall of the loss that is worth another round
+MANY_STEPS = 10  # of a search by derivatives: with fewer, one by evolution is a short one too
 
 
 def search(
@@ -53,10 +50,9 @@ def _search_impacts(
 ) -> tuple[Array, Array, bool, bool]:
     """As ``search``, for impacts: their residuals are too rough for derivatives.
 
-    The best of all combinations of starting values is improved by simplex searches, of the effects'
-    parameters and then of all. Where it lowers the parent's loss by less than the share ``screen``, no
-    search is made. What is new beside a parent's impacts starts from where a linear step leads. Few ``steps`` are
-    spent on the effects' parameters alone.
+    The best of all combinations of starting values is improved by evolution. Where it lowers the parent's loss by
+    less than the share ``screen``, no search is made. What is new beside a parent's impacts starts from where a linear
+    step leads. Few ``steps`` are few generations.
     """
     x = _starts(problem, parent, together=True)[0]
     cost = float(np.sum(problem.flat(x) ** 2))
@@ -64,17 +60,9 @@ def _search_impacts(
         x, cost = _linear_start(problem, parent, x, cost)
     if parent is not None and cost > (1.0 - screen) * float(np.sum(parent.residual**2)):
         return x, np.zeros((parent.residual.size, x.size)), False, True
-    if steps * STEP_COST < sum(ROUGH_STEPS):
-        x, _ = _simplex_search(problem, x, problem.of_effects, steps * STEP_COST)
-        return x, problem.jacobian(x), True, False
-    everything = np.ones(x.size, dtype=bool)
-    for _ in range(MOST_ROUNDS):
-        before = cost
-        for free, most in zip((problem.of_effects, everything), ROUGH_STEPS):
-            x, cost = _simplex_search(problem, x, free, most)
-        if cost > (1.0 - ROUND) * before:
-            break
-    return x, problem.jacobian(x), True, True
+    first = steps < MANY_STEPS
+    x = evolve(problem, x, cost, FIRST_GENERATIONS if first else GENERATIONS)
+    return x, problem.jacobian(x), True, not first
 
 
 def _linear_start(problem: Problem, parent: Fit, x: Array, cost: float) -> tuple[Array, float]:
@@ -93,20 +81,27 @@ def _linear_start(problem: Problem, parent: Fit, x: Array, cost: float) -> tuple
     return min(found, key=lambda point: point[1])
 
 
+def refit(problem: Problem, start: Array, without: slice, steps: int) -> Array:
+    """Point that a short search ends at which does not see some of the residuals."""
+    weight = np.ones(problem.flat(start).size)
+    weight[without] = 0.0
+    return _least_squares(problem, start, problem.flat(start) * weight, steps, weight)[0]
+
+
 def _least_squares(
-    problem: Problem, start: Array, residual: Array, steps: int
+    problem: Problem, start: Array, residual: Array, steps: int, weight: Array | float = 1.0
 ) -> tuple[Array, Array, bool]:
     """Point and Jacobian that a bounded trust-region search ends at, and whether it ended by itself.
 
-    Residuals are normalised.
+    Residuals are normalised and may have a ``weight`` each.
     """
     unit = float(np.sqrt(np.mean(residual**2)))
 
     def residuals(x: Array) -> Array:
-        return problem.flat(x) / unit
+        return problem.flat(x) * weight / unit
 
     def jacobian(x: Array) -> Array:
-        return problem.jacobian(x) / unit
+        return problem.jacobian(x) * np.reshape(weight, (-1, 1)) / unit
 
     solution = least_squares(
         residuals,
@@ -119,28 +114,6 @@ def _least_squares(
         max_nfev=steps,
     )
     return solution.x, np.asarray(solution.jac) * unit, solution.status > 0
-
-
-def _simplex_search(
-    problem: Problem, x: Array, free: NDArray[np.bool_], most: int
-) -> tuple[Array, float]:
-    """Point and loss of a Nelder-Mead search from ``x`` over the ``free`` parameters."""
-
-    def inside(part: Array) -> Array:
-        point = x.copy()
-        point[free] = part
-        return np.clip(point, problem.lower, problem.upper)
-
-    def loss(part: Array) -> float:
-        return float(np.sum(problem.flat(inside(part)) ** 2))
-
-    size = np.where(problem.of_effects, 0.15 * np.maximum(np.abs(x), 0.2), 2e-3)
-    size = np.where(x + size > problem.upper, -size, size)[free]
-    simplex = np.vstack([x[free], x[free] + np.diag(size)])
-    solution = minimize(
-        loss, x[free], method="Nelder-Mead", options={"maxfev": most, "initial_simplex": simplex}
-    )
-    return inside(solution.x), float(solution.fun)
 
 
 def linear_step(jac: Array, residual: Array, x: Array, bounds: tuple[Array, Array]) -> Array:

@@ -63,7 +63,10 @@ def shrinkage(
         for name, kind in zip(LEVELS, (raw, tuned, after, floors))
     }
     before, retuned_rms, after_rms, floor = (_rms(*part) for part in parts.values())
-    percent, interval = _percent(parts["before"], parts["after"], floor, seed)
+    measured = source.startswith(MEASURED)
+    percent, interval = _percent(
+        parts["before"], parts["after"], parts["floor"], seed if measured else None, seed
+    )
     command = np.concatenate([run.command[run.window].ravel() for run in runs])
     return Shrinkage(
         metric=machine.metric,
@@ -74,9 +77,7 @@ def shrinkage(
         percent=percent,
         ci95=interval,
         intervals={
-            name: None
-            if name == "floor" and not source.startswith(MEASURED)
-            else _interval(*part, seed)
+            name: None if name == "floor" and not measured else _interval(*part, seed)
             for name, part in parts.items()
         },
         relative_to_command=float(np.sqrt(np.mean(command**2))),
@@ -86,17 +87,27 @@ def shrinkage(
 
 
 def _percent(
-    before: tuple[Array, Array], after: tuple[Array, Array], floor: float, seed: int
-) -> tuple[float | None, tuple[float, float] | None]:
-    """100 (before - after) / (before - floor) and its interval; None where no gap surely is there."""
-    top = _rms(*before)
+    before: tuple[Array, Array],
+    after: tuple[Array, Array],
+    floor: tuple[Array, Array],
+    floor_seed: int | None,
+    seed: int,
+) -> tuple[float | None, Interval | None]:
+    """100 (before - after) / (before - floor) and its interval; None where no gap surely is there.
+
+    The floor is resampled as well, unless ``floor_seed`` is None: one that was computed has no sampling error.
+    """
+    top, least = _rms(*before), _rms(*floor)
     draws = _draws(len(before[0]), seed)
     b, a = _resampled(*before, draws), _resampled(*after, draws)
-    if min(top, float(np.quantile(b, 0.025))) <= SURE * floor:
+    f = np.full(RESAMPLES, least)
+    if floor_seed is not None:
+        f = _resampled(*floor, _draws(len(floor[0]), floor_seed + 1))
+    if min(top, float(np.quantile(b, 0.025))) <= SURE * max(least, float(np.quantile(f, 0.975))):
         return None, None
-    sampled = 100.0 * (b - a) / np.maximum(b - floor, (SURE - 1.0) * floor)
+    sampled = 100.0 * (b - a) / np.maximum(b - f, (SURE - 1.0) * f)
     low, high = np.quantile(sampled, [0.025, 0.975])
-    return float(100.0 * (top - _rms(*after)) / (top - floor)), (float(low), float(high))
+    return float(100.0 * (top - _rms(*after)) / (top - least)), (float(low), float(high))
 
 
 def _interval(energy: Array, count: Array, seed: int) -> Interval:

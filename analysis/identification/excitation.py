@@ -259,10 +259,8 @@ def _evolution(objective: Objective, first: Floats, budget: int, seed: int) -> F
 
 
 def _cma(objective: Objective, first: Floats, budget: int, seed: int) -> Floats:
-    try:
-        import cma
-    except ImportError:
-        raise _missing("cma", "cma") from None
+    import cma
+
     rounds = max(1, budget // CMA_ROUND)
     results = []
     for k in range(rounds):
@@ -283,5 +281,5 @@ def _missing(method: str, package: str) -> InputError:
         f"search {method!r}",
         f"package {package!r} is not installed",
         "the optional dependencies of identification",
-        "Install gapscope[identification], or choose gradient or evolution.",
+        "Install gapscope[identification], or choose gradient, evolution or cma.",
     )

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..blind_score import proportion
+from ..blind_statistics import proportion
 from .flaws import REPORTED_FROM
 
 Outcomes = Sequence[Mapping[str, Any]]

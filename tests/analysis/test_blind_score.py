@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from gapscope.analysis import blind_report, blind_score
+from gapscope.analysis import blind_report, blind_score, blind_statistics
 
 
 def made(
@@ -140,15 +140,15 @@ def test_rates_of_a_known_run():
 
 def test_wilson_interval_of_the_textbook():
     """Nine of ten: Wilson 95 % is [0.596, 0.982] (Brown, Cai, DasGupta 2001, eq. 4)."""
-    e = blind_score.proportion([True] * 9 + [False])
+    e = blind_statistics.proportion([True] * 9 + [False])
     assert (e.value, e.low, e.high) == pytest.approx((0.9, 0.5958, 0.9821), abs=1e-4)
 
 
 def test_calibration_error_by_hand():
     """0.95 said, right 8 of 10; 0.55 said, right 5 of 10: (0.15 + 0.05)/2."""
     rows = [(0.95, 1.0)] * 8 + [(0.95, 0.0)] * 2 + [(0.55, 1.0)] * 5 + [(0.55, 0.0)] * 5
-    assert blind_score.calibration_error(np.array(rows)) == pytest.approx(0.1)
-    assert blind_score.calibration_error(np.array([(1.0, 1.0)] * 4)) == 0.0
+    assert blind_statistics.calibration_error(np.array(rows)) == pytest.approx(0.1)
+    assert blind_statistics.calibration_error(np.array([(1.0, 1.0)] * 4)) == 0.0
 
 
 def test_calibration_error_of_a_calibrated_forecaster_vanishes():
@@ -156,9 +156,9 @@ def test_calibration_error_of_a_calibrated_forecaster_vanishes():
     rng = np.random.default_rng(1)
     confidence = rng.random(20000)
     rows = np.column_stack([confidence, rng.random(20000) < confidence])
-    assert blind_score.calibration_error(rows) < 0.015
+    assert blind_statistics.calibration_error(rows) < 0.015
     shifted = np.column_stack([np.minimum(confidence + 0.2, 1.0), rows[:, 1]])
-    assert blind_score.calibration_error(shifted) > 0.1
+    assert blind_statistics.calibration_error(shifted) > 0.1
 
 
 def test_risk_coverage_by_hand():

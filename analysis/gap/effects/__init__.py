@@ -8,17 +8,19 @@ import pkgutil
 from functools import cache
 
 from ..drive_machine import DriveMachine
-from .base import Effect, Form, Scales, parameter, scales_of
+from .base import Effect, Form, Scales, Scan, parameter, scales_of
 
 __all__ = [
     "Effect",
     "Form",
     "Scales",
+    "Scan",
     "catalogue",
     "forms_for",
     "parameter",
     "register",
     "scales_of",
+    "scans_for",
 ]
 
 _registered: dict[str, Effect] = {}
@@ -41,6 +43,11 @@ def catalogue() -> dict[str, Effect]:
 def forms_for(machine: DriveMachine, scales: Scales) -> list[Form]:
     """Every form of every effect that applies to this machine."""
     return [form for effect in catalogue().values() for form in effect.forms(machine, scales)]
+
+
+def scans_for(machine: DriveMachine, scales: Scales) -> list[Scan]:
+    """What is to be looked for on this machine."""
+    return [e.scan(machine, scales) for e in catalogue().values() if e.scan is not None]
 
 
 @cache

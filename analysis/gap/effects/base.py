@@ -121,6 +121,16 @@ class Form:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Scan:
+    """Values of a shape, neighbours closer than runs can tell apart, and the form that starts from one of them."""
+
+    effect: str  # its id
+    shape: str  # name of the parameter
+    values: Array
+    form: Callable[[float], Form]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Effect:
     """A physical mechanism of EFFECTS.md and how to try it on a machine."""
 
@@ -129,6 +139,8 @@ class Effect:
     forms: Callable[[Any, Any], list[Form]]  # of the machine and its scales
     # What the unexplained torque of a machine with this effect looks like, for the report.
     signature: str
+    # Forms that differ in a shape only, such as a period, to be looked for in what a fit leaves.
+    scan: Callable[[Any, Any], Scan] | None = None  # of the machine and its scales
 
 
 def parameter(

@@ -94,3 +94,58 @@ def test_noise_of_the_first_readings_is_no_home_offset(case):
     for run in far:
         run.position[:50] += 0.02
     assert signals._home_offset(machine, far) != []
+
+
+@pytest.mark.parametrize("samples", [1, -1])
+def test_a_clock_offset_of_the_command(case, samples):
+    def moved(run):
+        return replace(run, command=np.roll(run.command, -samples, axis=0))
+
+    findings = found(case, moved)
+    assert set(findings) == {"sensor.timing"}
+    assert findings["sensor.timing"].form == "command early"
+    early = findings["sensor.timing"].parameters["early"]["value"]
+    assert early == pytest.approx(1e-3 * samples, abs=1e-4)
+
+
+def test_a_command_in_amperes_that_is_said_to_be_a_torque(case):
+    findings = found(case, lambda run: replace(run, command=run.command / 0.4))
+    assert set(findings) == {"sensor.scale"}
+    finding = findings["sensor.scale"]
+    assert finding.form == "scale of the command in the log"
+    assert finding.parameters["scale_error"]["value"] == pytest.approx(1.5, rel=1e-3)
+
+
+def test_positions_and_reference_in_degrees_said_to_be_radians(case):
+    def in_degrees(run):
+        signals = ("position", "reference", "reference_rate", "reference_acceleration")
+        turned = {name: np.degrees(getattr(run, name)) for name in signals}
+        return replace(run, **turned, lsb=np.degrees(run.lsb))
+
+    findings = found(case, in_degrees)
+    assert set(findings) == {"sensor.scale"}  # and no coarser encoder
+    finding = findings["sensor.scale"]
+    assert finding.form == "positions and reference in another unit"
+    factor = 1.0 + finding.parameters["scale_error"]["value"]
+    assert factor == pytest.approx(180.0 / np.pi, rel=1e-3)
+
+
+def test_a_right_log_is_kept_where_the_stated_controller_is_not_the_one_that_ran(case):
+    """Gains of 0.4 times the true ones: the command would fit them if it were smaller, the machine would not."""
+    machine, runs, lsb = case
+    weak = [
+        replace(run, controller=run.controller._replace(output=0.4 * run.controller.output))
+        for run in runs
+    ]
+    corrected, findings = examine(machine, weak, lsb)
+    assert findings == []
+    assert all(a.command is b.command for a, b in zip(corrected, weak))
+
+
+def test_the_end_of_a_lone_run_decides_nothing(case):
+    machine, runs, lsb = case
+    cut = len(runs[0].t) * 2 // 3
+    spoilt = runs[0].position.copy()
+    spoilt[cut:] += 0.05
+    lone = replace(runs[0], position=spoilt, window=slice(0, cut))
+    assert examine(machine, [lone], lsb)[1] == []

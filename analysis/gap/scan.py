@@ -1,0 +1,91 @@
+"""Shapes that no list can hold, such as the period of a ripple, looked for in what a fit leaves.
+
+At every value of the shape the effect is linear in its other parameters at zero. How far they would lower the loss of
+a fit, its own parameters refitted to first order, is a spectrum over the shape; its highest peaks become forms in which
+the shape is one more parameter.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import find_peaks
+
+from .effects import Form, Scan
+from .hypothesis import Fit
+from .machine import Array, RunData
+from .prediction import STEP, Predictor, flatten
+
+FOUND = 2  # peaks that become forms
+MOST_SAMPLES = 20_000  # of all runs together that a spectrum is taken of
+TOGETHER = 64  # values of the shape that are predicted at once
+LEAST_FALL = 0.005  # of the loss, at a peak that is worth a form
+
+
+def forms_found(predictor: Predictor, parent: Fit) -> list[Form]:
+    """Forms for the highest peaks of every effect that is looked for beside a fit."""
+    forms: list[Form] = []
+    for scan in _scans(predictor):
+        if scan.effect in parent.hypothesis.ids:
+            continue
+        falls = np.concatenate([[0.0], spectrum(predictor, parent, scan), [0.0]])
+        peaks, _ = find_peaks(falls, height=LEAST_FALL)
+        highest = peaks[np.argsort(falls[peaks])[::-1][:FOUND]]
+        forms += [scan.form(float(scan.values[i - 1])) for i in highest]
+    return forms
+
+
+def effects_looked_for(predictor: Predictor) -> set[str]:
+    """Effects with a shape that the runs let one look for."""
+    return {scan.effect for scan in _scans(predictor)}
+
+
+def _scans(predictor: Predictor) -> list[Scan]:
+    scans = predictor.machine.scans(predictor.runs)
+    return [scan for scan in scans if scan.values.size > 2]
+
+
+def spectrum(predictor: Predictor, parent: Fit, scan: Scan) -> Array:
+    """Share of the parent's loss that the effect removes to first order at each value of the shape."""
+    form = scan.form(float(scan.values[0]))
+    hypothesis = parent.hypothesis.with_form(form)
+    free = hypothesis.free(predictor.machine)
+    keys = tuple((effect, p.name) for effect, p in free)
+    known = parent.by_key()
+    shape = keys.index((form.effect, scan.shape))
+    still = np.array([known.get(key, 0.0) for key in keys])
+    still[shape] = scan.values[0]
+    moves = np.diag([STEP * p.scale for _, p in free])
+    moves = moves[[i for i, key in enumerate(keys) if key[0] == form.effect and i != shape]]
+    runs, rows = _beginnings(predictor, parent)
+    residual = flatten(predictor.residuals(hypothesis, [still], keys, runs)[0])
+    basis = np.linalg.qr(parent.jacobian[rows])[0]
+    left = residual - basis @ (basis.T @ residual)
+    falls = []
+    for values in np.split(scan.values, range(TOGETHER, scan.values.size, TOGETHER)):
+        points = np.repeat(still[None], len(values) * len(moves), axis=0)
+        points += np.tile(moves, (len(values), 1))
+        points[:, shape] = np.repeat(values, len(moves))
+        moved = predictor.residuals(hypothesis, points, keys, runs)
+        columns = np.column_stack([flatten(r) - residual for r in moved])
+        columns -= basis @ (basis.T @ columns)
+        for part in np.split(columns, len(values), axis=1):
+            falls.append(float(np.sum((np.linalg.qr(part)[0].T @ left) ** 2)))
+    return np.array(falls) / max(float(np.sum(residual**2)), 1e-300)
+
+
+def _beginnings(predictor: Predictor, parent: Fit) -> tuple[list[RunData], Array]:
+    """The runs, cut short where they are long, and the rows of the parent's residuals that this leaves."""
+    most = max(MOST_SAMPLES // len(predictor.runs), 1)
+    runs, rows, first = [], [], 0
+    for run in predictor.runs:
+        samples, n = run.position[run.window].shape
+        begin = run.window.start or 0
+        kept = min(samples, most)
+        end = begin + kept
+        window = slice(begin, end)
+        runs.append(
+            replace(run, position=run.position[:end], command=run.command[:end], window=window)
+        )
+        rows.append(first + np.arange(kept * n))
+        first += samples * n
+    return runs, np.concatenate(rows)
