@@ -7,6 +7,8 @@ hypothesis wins when the blocks of the held-out losses are resampled is its prob
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from .effects import Form
 from .exchange import in_other_forms, richer
 from .growth import CONTENDER, Progress, grown, with_each, without_each
@@ -21,6 +23,7 @@ BEAM = 2  # single effects that a second one is added to
 LEAST_GAIN = 0.02  # smallest fall of the score worth another effect or another set of them
 ROUGH_GAIN = 0.1  # as LEAST_GAIN beside impacts, where a better optimum looks like an effect
 NEAR_FLOOR = 1.03  # a residual this close to the floor, as a ratio, leaves nothing to explain
+TWINS = 0.01  # of their loss, by which the residuals of twins differ at most
 FAR = 1.5  # times the floor: a residual beyond it has further parents grown
 
 
@@ -91,13 +94,20 @@ def _forward(
 
 
 def _beam(singles: Sequence[Fit]) -> list[Fit]:
-    """The best few of some fits, best first, no two of one family: those differ too little."""
+    """The best few of some fits, best first, no two of one family or of one residual: those differ too little."""
     chosen: list[Fit] = []
     for candidate in singles:
         families = {f.hypothesis.forms[0].family for f in chosen} - {""}
-        if candidate.hypothesis.forms[0].family not in families and len(chosen) < BEAM:
+        known = candidate.hypothesis.forms[0].family in families
+        if not known and len(chosen) < BEAM and not any(_twins(candidate, f) for f in chosen):
             chosen.append(candidate)
     return chosen
+
+
+def _twins(a: Fit, b: Fit) -> bool:
+    """Whether two fits leave the same, as a gain of the actuator and a scale of the encoder do."""
+    apart = float(np.sum((a.residual - b.residual) ** 2))
+    return apart < TWINS * float(np.sum(a.residual**2))
 
 
 def _other_forms(tried: Sequence[Fit], parents: Sequence[Fit]) -> list[Fit]:

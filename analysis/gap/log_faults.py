@@ -1,6 +1,6 @@
 """What can be wrong with the signals of a log, as corrections that give what the controller saw."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,8 +38,14 @@ class Fault:
         return any(abs(factor / unit - 1.0) < EXACT for unit in UNITS if unit != 1.0)
 
 
-def log_faults(machine: Machine, dt: float, lsb: float) -> list[Fault]:
-    """Faults of the positions, the reference and the command; ``lsb`` is the encoder's step [position unit]."""
+def log_faults(machine: Machine, runs: Sequence[RunData], lsb: float) -> list[Fault]:
+    """Faults of the positions, the reference and the command; ``lsb`` is the encoder's step [position unit].
+
+    Searches for an offset start from none and from the mean distance of the runs from their references: a replay that
+    an offset saturates has no slope.
+    """
+    dt, scale = runs[0].dt, 10.0 * lsb
+    away = np.mean([np.mean((r.position - r.reference)[r.window], axis=0) for r in runs], axis=0)
     n, joints = len(machine.joints), machine.joints
     shifts = tuple(np.array([s]) for s in (-3.0, -1.0, 1.0, 3.0))
 
@@ -68,7 +74,7 @@ def log_faults(machine: Machine, dt: float, lsb: float) -> list[Fault]:
         Fault(
             effect="sensor.offset", form="offset in the log",
             names=tuple(f"offset_{s}" for s in joints), units=(machine.position_unit,) * n,
-            scale=np.full(n, 10.0 * lsb), starts=(np.zeros(n),), bound=np.inf,
+            scale=np.full(n, scale), starts=(np.zeros(n), away / scale), bound=np.inf,
             in_model=False, corrected=_without_offset,
         ),
         gain("scale in the log", tuple(f"scale_error_{s}" for s in joints), _without_scale),

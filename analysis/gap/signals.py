@@ -99,7 +99,7 @@ def _best_fault(
     before = _difference(runs)
     if before < FAITHFUL * rms([run.command[run.window] for run in runs]):
         return None, before
-    faults = log_faults(machine, runs[0].dt, stated_lsb or runs[0].lsb or 1e-6)
+    faults = log_faults(machine, runs, stated_lsb or runs[0].lsb or 1e-6)
     fitted = [_Fitted(fault, *_fit(fault, runs)) for fault in faults]
     enough = min(LARGEST_LEFT, float(np.exp(-LEAST_GAIN))) * before
     as_logged = fit(Predictor(machine, runs), Hypothesis()).rms

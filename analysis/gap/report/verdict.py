@@ -182,7 +182,7 @@ def _how_far(d: Diagnosis) -> str:
             f"{start}of the nominal model is {number(s.before, unit)}, at the noise floor of "
             f"{number(s.floor, unit)}."
         )
-    ends = f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f}\N{NO-BREAK SPACE}%"
+    ends = f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f}\N{NO-BREAK SPACE}% on these motions"
     verb = "falls" if s.after < s.before else "goes"
     model = "with this in the model" if d.verdict.accepted or d.findings else "by retuning alone"
     left = s.after / s.floor

@@ -46,6 +46,15 @@ def test_an_offset_of_the_logged_position(case):
     assert finding.parameters["offset_left"]["value"] == pytest.approx(0.02, abs=1e-4)
 
 
+def test_an_offset_that_saturates_the_replayed_controller(case):
+    def shifted(run):
+        limited = run.controller._replace(limit=1.01 * np.max(np.abs(run.command)))
+        return replace(run, position=run.position + 1.0, controller=limited)
+
+    finding = found(case, shifted)["sensor.offset"]
+    assert finding.parameters["offset_right"]["value"] == pytest.approx(1.0, abs=1e-3)
+
+
 def test_a_scale_of_the_logged_position(case):
     finding = found(case, lambda run: replace(run, position=run.position * [1.0, 1.01]))
     assert finding["sensor.scale"].parameters["scale_error_right"]["value"] == pytest.approx(
