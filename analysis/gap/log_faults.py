@@ -58,13 +58,16 @@ def log_faults(machine: Machine, runs: Sequence[RunData], lsb: float) -> list[Fa
         )  # fmt: skip
 
     def gain(
-        form: str, names: tuple[str, ...], corrected: Callable[[RunData, Array], RunData]
+        form: str,
+        names: tuple[str, ...],
+        corrected: Callable[[RunData, Array], RunData],
+        in_model: bool,
     ) -> Fault:
         starts = tuple(np.full(len(names), 1e3 * (unit - 1.0)) for unit in UNITS)
         return Fault(
             effect="sensor.scale", form=form, names=names, units=("-",) * len(names),
             scale=np.full(len(names), 1e-3), starts=starts, bound=np.inf,
-            in_model=len(names) == 1, corrected=corrected,
+            in_model=in_model, corrected=corrected,
         )  # fmt: skip
 
     return [
@@ -77,9 +80,9 @@ def log_faults(machine: Machine, runs: Sequence[RunData], lsb: float) -> list[Fa
             scale=np.full(n, scale), starts=(np.zeros(n), away / scale), bound=np.inf,
             in_model=False, corrected=_without_offset,
         ),
-        gain("scale in the log", tuple(f"scale_error_{s}" for s in joints), _without_scale),
-        gain("scale of the command in the log", ("scale_error",), _command_without_scale),
-        gain(OTHER_UNIT, ("scale_error",), _in_its_unit),
+        gain("scale in the log", tuple(f"scale_error_{s}" for s in joints), _without_scale, False),
+        gain("scale of the command in the log", ("scale_error",), _command_without_scale, True),
+        gain(OTHER_UNIT, ("scale_error",), _in_its_unit, True),
     ]  # fmt: skip
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gapscope.analysis.gap import signals
+from gapscope.analysis.gap.log_faults import OTHER_UNIT, log_faults
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine, stated_encoder_step
 from gapscope.analysis.gap.signals import examine
@@ -158,3 +159,18 @@ def test_the_end_of_a_lone_run_decides_nothing(case):
     spoilt[cut:] += 0.05
     lone = replace(runs[0], position=spoilt, window=slice(0, cut))
     assert examine(machine, [lone], lsb)[1] == []
+
+
+def test_faults_of_what_the_model_is_driven_by_must_help_the_model(case):
+    machine, runs, lsb = case
+    for joints in (machine.joints, machine.joints[:1]):
+        one = [
+            replace(
+                r, position=r.position[:, : len(joints)], reference=r.reference[:, : len(joints)]
+            )
+            for r in runs
+        ]
+        faults = log_faults(replace(machine, joints=joints), one, lsb)
+        assert {f.form for f in faults if f.in_model} == {
+            "command early", "scale of the command in the log", OTHER_UNIT,
+        }  # fmt: skip
