@@ -54,7 +54,8 @@ def _forward(
     predictor: Predictor, retuned: Fit, forms: Sequence[Form], floor: float, progress: Progress
 ) -> tuple[Fit, list[Fit]]:
     """The best of forward selection, and all fits that it made."""
-    tried = with_each(predictor, retuned, [*forms, *forms_found(predictor, retuned)], progress)
+    forms = [*forms, *forms_found(predictor, retuned)]
+    tried = with_each(predictor, retuned, forms, progress)
     singles = [pruned(predictor, f) for f in best_by_ids(tried)]
     fits = [retuned, *singles]
     parents = _beam([f for f in sorted(singles, key=lambda f: f.score) if _better(f, retuned)])
@@ -73,8 +74,7 @@ def _forward(
         reserve = []
         if best.hypothesis.rough and len(best.hypothesis.forms) == 1:
             children += beside_impacts(predictor, retuned, best, forms, progress)
-            beside = [f for f in (*forms, *forms_found(predictor, best)) if not f.shifts]
-            children += with_each(predictor, best, beside, progress)
+            children += with_each(predictor, best, [f for f in forms if not f.shifts], progress)
         if not children:
             break
         children.sort(key=lambda f: f.score)

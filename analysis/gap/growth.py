@@ -76,7 +76,7 @@ def grown(
             parent,
             [
                 f
-                for f in [*forms, *forms_found(predictor, parent)]
+                for f in [*forms, *(forms_found(predictor, parent) if parent is parents[0] else [])]
                 if frozenset((*parent.hypothesis.ids, f.effect)) not in known
                 and (f.step == 0.0 or parent is beside_impacts)
                 and (f.step == 0.0 or f in known_impacts or not known_impacts)

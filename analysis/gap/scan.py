@@ -16,7 +16,8 @@ from .machine import Array, RunData
 from .prediction import STEP, Predictor, flatten
 
 FOUND = 2  # peaks that become forms
-MOST_SAMPLES = 20_000  # of all runs together that a spectrum is taken of
+MOST_SAMPLES = 8_000  # of all runs together that a spectrum is taken of
+THIN = 3  # of so many values of a residual one counts: a peak needs no more
 TOGETHER = 64  # values of the shape that are predicted at once
 LEAST_FALL = 0.005  # of the loss, at a peak that is worth a form
 
@@ -58,7 +59,8 @@ def spectrum(predictor: Predictor, parent: Fit, scan: Scan) -> Array:
     moves = moves[[i for i, key in enumerate(keys) if key[0] == form.effect and i != shape]]
     runs, rows = _beginnings(predictor, parent)
     residual = flatten(predictor.residuals(hypothesis, [still], keys, runs)[0])
-    basis = np.linalg.qr(parent.jacobian[rows])[0]
+    basis = np.linalg.qr(parent.jacobian[rows][::THIN])[0]
+    residual = residual[::THIN]
     left = residual - basis @ (basis.T @ residual)
     falls = []
     for values in np.split(scan.values, range(TOGETHER, scan.values.size, TOGETHER)):
@@ -66,10 +68,11 @@ def spectrum(predictor: Predictor, parent: Fit, scan: Scan) -> Array:
         points += np.tile(moves, (len(values), 1))
         points[:, shape] = np.repeat(values, len(moves))
         moved = predictor.residuals(hypothesis, points, keys, runs)
-        columns = np.column_stack([flatten(r) - residual for r in moved])
-        columns -= basis @ (basis.T @ columns)
-        for part in np.split(columns, len(values), axis=1):
-            falls.append(float(np.sum((np.linalg.qr(part)[0].T @ left) ** 2)))
+        rows_of_columns = np.array([flatten(r)[::THIN] for r in moved]) - residual
+        rows_of_columns -= (rows_of_columns @ basis) @ basis.T
+        for part in np.split(rows_of_columns, len(values)):
+            slope = part @ left
+            falls.append(float(slope @ np.linalg.lstsq(part @ part.T, slope, rcond=1e-12)[0]))
     return np.array(falls) / max(float(np.sum(residual**2)), 1e-300)
 
 

@@ -11,7 +11,7 @@ from .base import Effect, Form, Scales, Scan, ShaftMachine, ShaftPlant, Values, 
 FEWEST_PERIODS = 3.0  # of a ripple in the travel: fewer are any smooth law of position
 PERIODS_SAMPLES = 4.0  # samples of a period at the typical speed, at least
 MOST_PERIODS = 100.0  # in the travel
-OVERSAMPLED = 4  # wavenumbers that are tried per one that the travel resolves
+OVERSAMPLED = 3  # wavenumbers that are tried per one that the travel resolves
 
 
 def forms(machine: ShaftMachine, scales: Scales) -> list[Form]:
