@@ -34,6 +34,9 @@ def forms(machine: "ChainMachine") -> list[Form]:
             apply=apply,
             where=at("axes", "extra_"),
             removable=frozenset(p.name for p in parameters),
-            replaces=frozenset({"rotor_inertia", "machine_inertia"}),
+            takes={
+                "extra_rotors": "rotor_inertia",
+                **{f"extra_{name}": "machine_inertia" for name in loads},
+            },
         )
     ]

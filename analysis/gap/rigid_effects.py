@@ -118,11 +118,11 @@ def viscous(machine: RigidMachine, s: Sizes) -> list[Form]:
         )
         for j, size in zip(machine.joints, s.effort / s.rate)
     ]
-    own = frozenset(machine.damping.values())
+    own = {f"coefficient_{joint}": name for joint, name in machine.damping.items()}
     apply = _adder(machine, "coefficient_", law.VISCOUS)
     return [
         per_joint(
-            "friction.viscous", "proportional to speed", "coefficient_", free, apply, replaces=own
+            "friction.viscous", "proportional to speed", "coefficient_", free, apply, takes=own
         )
     ]
 

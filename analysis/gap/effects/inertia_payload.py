@@ -24,7 +24,7 @@ def forms(machine: DriveMachine, scales: Scales) -> list[Form]:
             apply=apply,
             where=at("axes", "extra_"),
             removable=frozenset(p.name for p in parameters),
-            replaces=frozenset(axis.own for axis in machine.payload),
+            takes={f"extra_{axis.name}": axis.own for axis in machine.payload},
         )
     ]
 
