@@ -4,10 +4,11 @@ A drive whose inertia changes with posture: tables of the machine's terms along 
 the drive, ``models.chain_kernels``. Everything counts in the motors' coordinates, angles in rad and torques in N m.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,11 +17,11 @@ from ...models.chain_kernels import Tables
 from ...models.drive import Drive
 from ...models.parallel.machine import ParallelMachine, Part
 from .drive_machine import DriveMachine, DrivePlant
-from .machine import Array, RunData
+from .machine import Array, Machine, RunData
 
 if TYPE_CHECKING:
     from .clock import ReplayCheck
-    from .effects import Form
+    from .effects import Form, Scan
     from .inverse_model import Structure
     from .signals import SignalFinding
 
@@ -87,6 +88,16 @@ class ChainMachine(DriveMachine):
 
         drive = [f for f in forms_for(self, scales_of(runs)) if f.effect != "inertia.payload"]
         return [*drive, *payload(self)]
+
+    def predict_all(
+        self, tasks: Sequence[tuple[RunData, Any]], submit: Callable[..., Future[Any]]
+    ) -> list[Array]:
+        """One after the other: the lanes hold drives with constant inertia."""
+        return Machine.predict_all(self, tasks, submit)
+
+    def scans(self, runs: Sequence[RunData]) -> "list[Scan]":
+        """None: a prediction is dear here, and the listed periods are tried instead."""
+        return []
 
     def unexplained(self, residual: Array, run: RunData) -> Array:
         """Torque (k, n) at the motors that would cause a prediction error (k, n), in the mean posture."""

@@ -62,7 +62,8 @@ def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
             )
         )
     scores = 0.5 * np.log(losses.sum(axis=1) / samples.sum()) + prices
-    order = np.argsort(scores, kind="stable")
+    # Twins have one score; which of them fits better says a little of which it is.
+    order = np.lexsort(([f.rms for f in chosen], scores))
     return [ranked[i] for i in order]
 
 
