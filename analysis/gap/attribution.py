@@ -11,7 +11,7 @@ import numpy as np
 
 from .effects import Form
 from .exchange import in_other_forms, richer
-from .growth import CONTENDER, Progress, grown, with_each, without_each
+from .growth import CONTENDER, Progress, from_other_sides, grown, with_each, without_each
 from .hypothesis import Fit
 from .impacts import beside_impacts, with_other_shifts
 from .prediction import Predictor
@@ -79,6 +79,9 @@ def _forward(
             break
         children.sort(key=lambda f: f.score)
         child = pruned(predictor, children[0])
+        if child.held_out_rms > FAR * floor:
+            sides = from_other_sides(predictor, child, [*tried, *fits])
+            child = min([child, *(pruned(predictor, f) for f in sides)], key=lambda f: f.score)
         smaller = without_each(predictor, child)
         fits += [child, *children[1:], *smaller]
         found = min([child, *smaller], key=lambda f: f.score)

@@ -87,6 +87,22 @@ def grown(
     return sorted(best_by_ids(children), key=lambda f: f.score)
 
 
+def from_other_sides(predictor: Predictor, child: Fit, tried: Sequence[Fit]) -> list[Fit]:
+    """The same effects, searched from where each fit with one of them less has ended.
+
+    From one side a search may end in an optimum of its own that from the other it never meets.
+    """
+    found = []
+    for effect in child.hypothesis.ids[:-1]:  # without the last one is where it came from
+        rest = frozenset(child.hypothesis.ids) - {effect}
+        sides = [f for f in tried if frozenset(f.hypothesis.ids) == rest and f.converged]
+        if sides and not child.hypothesis.rough:
+            side = min(sides, key=lambda f: f.rms)
+            (form,) = (f for f in child.hypothesis.forms if f.effect == effect)
+            found.append(fit(predictor, side.hypothesis.with_form(form), side, screen=-np.inf))
+    return found
+
+
 def without_each(predictor: Predictor, full: Fit) -> list[Fit]:
     """The fit without each of its effects in turn, searched from where the whole one ended."""
     if len(full.hypothesis.forms) < 2:

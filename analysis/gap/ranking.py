@@ -63,7 +63,8 @@ def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
         )
     scores = 0.5 * np.log(losses.sum(axis=1) / samples.sum()) + prices
     # Twins have one score; which of them fits better says a little of which it is.
-    order = np.lexsort(([f.rms for f in chosen], scores))
+    shared = _best_of_twins(scores[:, None], _late_groups(chosen), chosen)[:, 0]
+    order = np.lexsort(([f.rms for f in chosen], shared))
     return [ranked[i] for i in order]
 
 
