@@ -17,7 +17,7 @@ VARIABLE = "GAPSCOPE_DATA"
 
 
 def known_sets() -> dict[str, dict[str, Any]]:
-    """Every set by name: ``source``, ``license`` and ``files`` (name -> SHA-256)."""
+    """Every set by name: ``source``, ``original`` (its address), ``license``, ``files`` (name -> SHA-256)."""
     text = (files(__package__ or "gapscope.analysis") / "datasets.yaml").read_text("utf-8")
     found: dict[str, dict[str, Any]] = yaml.safe_load(text)
     return found
@@ -51,9 +51,10 @@ def _local(name: str, entry: Mapping[str, Any]) -> Path:
     root = os.environ.get(VARIABLE)
     if not root:
         raise InputError(
-            name, "no download address is known for this log set", "a local folder or a mirror",
-            f"Source: {entry['source']}. Set {VARIABLE} to the folder that holds {name}/, or name a "
-            "mirror with --url.",
+            name, "the converted tables of this log set have no public address",
+            "a local folder or a mirror with them",
+            f"`export {VARIABLE}=FOLDER` with FOLDER/{name}/{next(iter(entry['files']))} and so on, or name a mirror "
+            f"by --url. Original: {entry['original']}. Source: {entry['source']}.",
         )  # fmt: skip
     folder = Path(root) / name
     if not folder.is_dir():

@@ -260,7 +260,6 @@ def simulate_pd(
     x = start.copy()
     effort = np.zeros(n)
     Y = np.zeros((n, phi.size))
-    h = dt / substeps
     for s in range(len(reference)):
         for i in range(n):
             position[s, i] = lsb * np.round(x[i] / lsb) if lsb > 0.0 else x[i]
@@ -268,18 +267,32 @@ def simulate_pd(
             tree, nominal_gravity, carried, reference[s], rate[s], position[s],
             position[max(s - 1, 0)], law, dt, Y, command[s],
         )  # fmt: skip
-        for k in range(substeps):
-            for j in range(n):
-                row = joints.actuator[j]
-                keep = np.exp(-h / row[LAG]) if row[LAG] > 1e-9 else 0.0
-                u = joint.held_command(command, s * dt + k * h, row[DELAY], dt, j)
-                wanted = min(max(row[GAIN] * u, -row[LIMIT]), row[LIMIT])
-                effort[j] = wanted + (effort[j] - wanted) * keep
-            k1 = _slope(tree, gravity, phi, joints.law, x, effort, Y)
-            k2 = _slope(tree, gravity, phi, joints.law, x + 0.5 * h * k1, effort, Y)
-            k3 = _slope(tree, gravity, phi, joints.law, x + 0.5 * h * k2, effort, Y)
-            k4 = _slope(tree, gravity, phi, joints.law, x + h * k3, effort, Y)
-            x += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+        advance(tree, gravity, phi, joints, command, s, x, effort, dt, substeps, Y)
+
+
+@compilation.kernel
+def advance(
+    tree: Any, gravity: Any, phi: Any, joints: Any, command: Any, now: int, x: Any, effort: Any,
+    dt: float, substeps: int, Y: Any,
+) -> None:  # fmt: skip
+    """One sample of the machine from state ``x`` (2 n,) and delivered ``effort`` (n,), both changed.
+
+    Commands (S, n) up to row ``now`` are known; they are held from row to row. ``Y`` (n, 10 B) is scratch.
+    """
+    n = effort.size
+    h = dt / substeps
+    for k in range(substeps):
+        for j in range(n):
+            row = joints.actuator[j]
+            keep = np.exp(-h / row[LAG]) if row[LAG] > 1e-9 else 0.0
+            u = joint.held_command(command, now * dt + k * h, row[DELAY], dt, j)
+            wanted = min(max(row[GAIN] * u, -row[LIMIT]), row[LIMIT])
+            effort[j] = wanted + (effort[j] - wanted) * keep
+        k1 = _slope(tree, gravity, phi, joints.law, x, effort, Y)
+        k2 = _slope(tree, gravity, phi, joints.law, x + 0.5 * h * k1, effort, Y)
+        k3 = _slope(tree, gravity, phi, joints.law, x + 0.5 * h * k2, effort, Y)
+        k4 = _slope(tree, gravity, phi, joints.law, x + h * k3, effort, Y)
+        x += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
 
 
 @compilation.kernel

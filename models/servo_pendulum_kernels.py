@@ -78,8 +78,19 @@ def simulate(
         position[k] = servo_pendulum.counted(q)
         if k == t.size - 1:
             return
-        part = (t[k + 1] - t[k]) / substeps
-        for _ in range(substeps):
-            wanted = supply * servo_pendulum.duty(reference[k] - servo_pendulum.counted(q), gain)
-            lag = servo_pendulum.lagged(lag, wanted, servo.lag, part)
-            q, v = servo_pendulum.step(q, v, lag, connected[k], part, servo)
+        h = t[k + 1] - t[k]
+        q, v, lag = advance(q, v, lag, reference[k], supply, gain, connected[k], servo, h, substeps)
+
+
+@compilation.kernel
+def advance(
+    q: float, v: float, lag: float, reference: float, supply: float, gain: float, connected: float,
+    servo: Any, h: float, substeps: int,
+) -> Any:  # fmt: skip
+    """Position, rate and lagged voltage after ``h`` seconds of the firmware's loop on one reference [rad]."""
+    part = h / substeps
+    for _ in range(substeps):
+        wanted = supply * servo_pendulum.duty(reference - servo_pendulum.counted(q), gain)
+        lag = servo_pendulum.lagged(lag, wanted, servo.lag, part)
+        q, v = servo_pendulum.step(q, v, lag, connected, part, servo)
+    return q, v, lag

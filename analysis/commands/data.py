@@ -12,15 +12,15 @@ app = typer.Typer(help="Public measured log sets.", no_args_is_help=True)
 
 @app.command("list")
 def list_sets() -> None:
-    """Names, sources and licences of the sets that are known."""
+    """Names, sources, addresses of the originals and licences of the sets that are known."""
     from rich.console import Console
     from rich.table import Table
 
     from ..datasets import known_sets
 
-    table = Table("name", "source", "licence")
+    table = Table("name", "source", "original", "licence")
     for name, entry in known_sets().items():
-        table.add_row(name, entry["source"], entry["license"])
+        table.add_row(name, entry["source"], entry["original"], entry["license"])
     Console().print(table)
 
 

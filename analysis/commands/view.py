@@ -12,8 +12,8 @@ def view(
     machine: Annotated[
         str,
         typer.Argument(
-            help="c-drive, slider, pmc, mm3a, 5r, replalink, 2prr, mast, 3prs or furuta. With --blocks: a diagram of "
-            "the toolbox (a wrong name lists them), or FILE.py:FUNCTION, what that function of yours returns."
+            help="c-drive, slider, pmc, mm3a, 5r, replalink, 2prr, mast, 3prs, furuta, pendulum, arm, or an .urdf or "
+            ".sdf file. With --blocks: a diagram of the toolbox (a wrong name lists them), or FILE.py:FUNCTION, what that function of yours returns."
         ),
     ],
     log: Annotated[
@@ -77,10 +77,12 @@ def _replay(machine: str, log: Path, run: str | None, magnify: float | None) -> 
     from ..errors import InputError
     from ..gap.diagnosis import diagnose
     from ..gap.logset import load_logset
+    from ..view.logged import NAMES
     from ..view.replay import page, replay
 
     logset = load_logset(log)
-    if logset.kind.replace("_", "-") != machine:
-        raise InputError(log, f"a log of system.kind {logset.kind}", f"one of {machine}")
+    name = NAMES.get(logset.kind, Path(str(logset.system.get("model", logset.kind))).name)
+    if machine not in (name, logset.kind) and Path(machine).name != name:
+        raise InputError(log, f"a log of {logset.kind}", f"one of {machine}", f"Try: view {name}")
     with Console(stderr=True).status("diagnosing") as status:
         return page(replay(diagnose(logset, progress=status.update), run, magnify))

@@ -25,7 +25,6 @@ from .machine import Axis, Floats, Layout, Trajectory
 from .posture import Posture
 from .setpoints import out_and_back
 
-SERVO = 100.0  # bandwidth of the loops [rad/s]
 OVERRUN = 1.2  # postures known, as a multiple of the travel to a switch
 PROGRAMS = ("together", "opposed", "single")
 
@@ -41,6 +40,8 @@ class Chain:
     speed: float  # of a jog [rad/s or m/s]
     count: float  # of the motors' encoders [rad]
     payload: tuple[float, float]  # of the fault of that name [kg]
+    servo: float = 100.0  # bandwidth of the loops [rad/s]
+    feed_forward: str = "none"  # "load" adds the nominal machine's pull at the reference
 
     @cached_property
     def per_motor(self) -> float:
@@ -93,7 +94,10 @@ class ChainDrive(DriveMachine):
         n = len(chain.mark)
         self._before = np.zeros(n)
         shaft = float(np.mean(np.diag(self._own + self._believed.at(np.zeros(n))[0])))
-        self._controller: dict[str, Any] = _gains(shaft)
+        self._controller: dict[str, Any] = {
+            **_gains(shaft, chain.servo),
+            "feed_forward": chain.feed_forward,
+        }
         super().__init__(_layout(chain, machine), plant, self._law(self._controller))
 
     def _faults(self) -> dict[str, faults.Fault]:
@@ -113,13 +117,19 @@ class ChainDrive(DriveMachine):
         """Controller at rest at the present reading, its integral holding the machine's nominal weight."""
         super().wake()
         self._before = np.zeros(len(self._before))
-        weight = self._believed.at(self.read())[2]
+        self._held_weight = weight = self._believed.at(self.read())[2]
         self._memory[INTEGRAL] = weight / self._controller["ki_Nm_per_rad_s"]
 
     def brake(self) -> None:
         """Stand still without power."""
         super().brake()
         self._before = np.zeros(len(self._before))
+
+    def _feed_forward(self, reference: Floats) -> Floats:
+        """Nominal load at the reference beyond the one that the integral began with."""
+        if self._controller["feed_forward"] == "none":
+            return super()._feed_forward(reference)
+        return np.asarray(self._believed.at(reference)[2] - self._held_weight)
 
     def _load_plant(self) -> None:
         """Inertia, velocity terms and weight in the middle of the coming sample; exact to its second order."""
@@ -132,12 +142,13 @@ class ChainDrive(DriveMachine):
 
     def _law(self, controller: Mapping[str, Any]) -> LoopController:
         where = "configure, controller"
-        given = Settings(where, controller, set(_gains(1.0)))
-        if controller["kind"] != "pid":
-            raise InputError(f"{where}.kind", repr(controller["kind"]), "pid")
+        given = Settings(where, controller, {*_gains(1.0, 1.0), "feed_forward"})
+        for key, known in (("kind", ("pid",)), ("feed_forward", ("none", "load"))):
+            if controller[key] not in known:
+                raise InputError(f"{where}.{key}", repr(controller[key]), " or ".join(known))
         one = np.eye(len(self._chain.mark))
         kp, kd, ki, cutoff = (
-            given.number(key, positive=True) for key in controller if key != "kind"
+            given.number(key, positive=True) for key in _gains(1.0, 1.0) if key != "kind"
         )
         return feedback(kp=kp * one, ki=ki * one, kd=kd * one, cutoff=cutoff, output=one)
 
@@ -190,13 +201,13 @@ class ChainDrive(DriveMachine):
         }
 
 
-def _gains(inertia: float) -> dict[str, Any]:
-    """A PID of bandwidth ``SERVO`` for an axis with its mean share of the machine [kg m^2]."""
-    kp = inertia * SERVO**2
+def _gains(inertia: float, servo: float) -> dict[str, Any]:
+    """A PID of bandwidth ``servo`` [rad/s] for an axis with its mean share of the machine [kg m^2]."""
+    kp = inertia * servo**2
     return {
         "kind": "pid",
         "kp_Nm_per_rad": float(f"{kp:.3g}"),
-        "kd_Nms_per_rad": float(f"{1.4 * inertia * SERVO:.3g}"),
+        "kd_Nms_per_rad": float(f"{1.4 * inertia * servo:.3g}"),
         "ki_Nm_per_rad_s": float(f"{10.0 * kp:.3g}"),
         "derivative_filter_rad_per_s": 600.0,
     }

@@ -183,11 +183,13 @@ class Rig:
             return
         layout = self.machine.layout
         error = np.abs(self._reference - self.machine.read())
-        if not np.all(error < layout.following_error):  # NaN, too
+        most = np.broadcast_to(layout.following_error, error.shape)
+        lost = ~(error < most)  # NaN, too
+        if np.any(lost):
             if self.state in MOVING:
-                self._fire(
-                    Event.FAULT, f"following error above {layout.following_error} {layout.unit}"
-                )
+                j = int(np.argmax(lost))
+                told = f"following error of {layout.motors[j]} above {most[j]:g} {layout.unit}"
+                self._fire(Event.FAULT, told)
             self._brake()
             return
         now = self._switches()

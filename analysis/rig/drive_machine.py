@@ -89,12 +89,17 @@ class DriveMachine:
             last, self._wanted, self._acceleration, self._position, self.law, dt, self._memory,
             self._command,
         )  # fmt: skip
+        self._command[-1] += self._feed_forward(reference)
         self._load_plant()
         drive_kernels.advance(
             last, self._q, self._v, self._z, self._held, self._lag, self._torque, self._command,
             self._plant, dt, self.substeps, self._work,
         )  # fmt: skip
         return self._command[-1].copy()
+
+    def _feed_forward(self, reference: Floats) -> Floats:
+        """What the controller adds to its law (motors,); nothing for a drive alone."""
+        return np.zeros(len(reference))
 
     def _load_plant(self) -> None:
         """Put what hangs on the shafts in the present posture into the plant; nothing for a drive alone."""

@@ -6,7 +6,7 @@ switches. Both are linked by a constant matrix: axes = origin + A motors.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,15 +37,15 @@ class Layout:
 
     kind: str  # ``system.kind`` of its log sets
     motors: tuple[str, ...]
-    unit: str  # of the motors' positions
+    unit: str  # of the motors' positions, "rad or m" where they differ
     effort: str  # unit of the commands
     axes: tuple[Axis, ...]
     axis_map: Floats  # A (axes, motors)
     origin: Floats  # of the axes, (axes,)
     home: Floats  # of the motors, where trajectories start by default (motors,)
     finds_switch: bool  # homes on the negative switches; otherwise where it stands, by hand
-    lsb: float  # of the encoders [unit], 0 for exact ones
-    following_error: float  # at most [unit]
+    lsb: float | Floats  # of the encoders [unit], one or (motors,), 0 for exact ones
+    following_error: float | Floats  # at most, one or (motors,) [unit]
     dt: float = 1e-3  # period of the controller [s]
     rate: float = 1.0  # of a trajectory to begin with [Hz]
     tables: bool = True  # whether trajectories may come as tables of samples
@@ -116,3 +116,11 @@ class RigMachine(Protocol):
 
     def document(self) -> dict[str, Any]:
         """``logset.yaml`` without name, columns and runs, with ``sample_time_s`` if the clock is even."""
+
+
+@runtime_checkable
+class WithFiles(Protocol):
+    """A machine whose log sets need more files beside the tables."""
+
+    def files(self) -> Mapping[str, str]:
+        """Their text by name."""

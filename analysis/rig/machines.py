@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 
@@ -19,14 +20,31 @@ OTHERS = {
     "mm3a": ("mm3a", "Manipulator"),
     "furuta": ("furuta", "Furuta"),
     "arm": ("arm", "Arm"),
+    "pendulum": ("pendulum", "Pendulum"),
+    "piezo": ("piezo", "Piezo"),
 }
 NAMES = (*OTHERS, *CHAINS)
+MODEL_FILES = (".urdf", ".sdf")
 
 
-def build(name: str, fault: str, seed: int) -> "RigMachine":
-    """The machine with a fault; InputError for an unknown machine or fault."""
+def build(name: str, fault: str, seed: int, **model: Any) -> "RigMachine":
+    """The machine with a fault; InputError for an unknown machine or fault.
+
+    ``name`` may be an .urdf or .sdf file; ``model`` are then options of ``model.ModelArm``.
+    """
+    if Path(name).suffix.lower() in MODEL_FILES:
+        from .model import ModelArm
+
+        return ModelArm(Path(name), fault, seed, **model)
     if name not in NAMES:
-        raise InputError("rig", f"unknown machine {name!r}", f"one of {', '.join(NAMES)}")
+        raise InputError(
+            "rig",
+            f"unknown machine {name!r}",
+            f"one of {', '.join(NAMES)}, or an .urdf or .sdf file",
+        )
+    for option, value in model.items():
+        if value:
+            raise InputError(f"--{option}", f"given for {name}", "a model file as the machine")
     return _builder(name)(fault, seed)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import yaml
 
 from ..files import output_folder, write_whole
-from .machine import RigMachine, Trajectory
+from .machine import RigMachine, Trajectory, WithFiles
 
 
 class Recorder:
@@ -18,6 +18,7 @@ class Recorder:
     def __init__(self, folder: Path) -> None:
         self.folder = output_folder(folder)
         self._document: dict[str, Any] | None = None
+        self._files: dict[str, str] = {}
         self._runs: list[dict[str, Any]] = []
         self._logset = self.folder
 
@@ -30,9 +31,12 @@ class Recorder:
     ) -> Path:
         """Add one run; returns its file."""
         document = machine.document()
-        if document != self._document:
-            self._document, self._runs = document, []
+        files = dict(machine.files()) if isinstance(machine, WithFiles) else {}
+        if (document, files) != (self._document, self._files):
+            self._document, self._files, self._runs = document, files, []
             self._logset = output_folder(self.folder / f"measurement{self._next()}")
+            for name, text in files.items():
+                write_whole(self._logset / name, text)
         path = self._logset / f"run{len(self._runs) + 1}.csv"
         columns = machine.columns()
         write_whole(path, _csv(list(columns), rows))

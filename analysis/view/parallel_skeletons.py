@@ -13,20 +13,24 @@ from ...models.parallel.three_prs import THREE_PRS
 from ...models.parallel.two_prr import TwoPRR
 from .skeletons import Coordinate, Floats, Skeleton
 
+# Cranks to begin with and their sliders' way from there [rad], and how far off one looks [m].
+SIGHTS = {"5r": ((1.95, 1.05), 1.0, 1.7), "replalink": ((2.0, 1.15), 0.7, 1.5)}
+
 
 def five_bar_5r() -> Skeleton:
     """The five-bar of section 4.1."""
-    return _linkage("5r", FiveBar(), (1.95, 1.05), 1.0, 1.7)
+    return linkage("5r", FiveBar())
 
 
 def replalink() -> Skeleton:
     """RePlaLink, whose tool lies beyond the joint of its rods."""
-    return _linkage("replalink", REPLALINK, (2.0, 1.15), 0.7, 1.5)
+    return linkage("replalink", REPLALINK)
 
 
-def _linkage(
-    name: str, machine: FiveBar, start: tuple[float, float], span: float, away: float
-) -> Skeleton:
+def linkage(name: str, machine: FiveBar) -> Skeleton:
+    """A five-bar called ``5r`` or ``replalink`` with the lengths of ``machine``."""
+    start, span, away = SIGHTS[name]
+
     def along(angle: Any) -> Floats:
         return np.array([np.cos(angle), np.sin(angle), 0.0])
 
@@ -62,9 +66,9 @@ def _linkage(
     )
 
 
-def slider_pair() -> Skeleton:
+def slider_pair(machine: TwoPRR | None = None) -> Skeleton:
     """2-PRR: two sliders on one guide, the platform below held by a parallelogram."""
-    machine = TwoPRR()
+    machine = machine or TwoPRR()
 
     def place(values: Floats) -> dict[str, Floats]:
         x, y = two_prr.forward(values, machine)

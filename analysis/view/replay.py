@@ -1,7 +1,8 @@
-"""A run of a log with two ghosts beside it: the nominal and the diagnosed model under the same controller.
+"""A run of a log with two ghosts beside it: the nominal and the diagnosed model.
 
-What separates them is far below what an eye sees at the machine's scale, so ghosts stand off the measured posture by
-``magnify`` times their difference from it.
+Where the log set's law can be run, they are simulated under it; where it cannot, they are where each model expects the
+machine from its last readings. What separates them is far below what an eye sees at the machine's scale, so ghosts stand
+off the measured posture by ``magnify`` times their difference from it.
 """
 
 import html as markup
@@ -9,16 +10,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...models import c_drive
 from ..errors import InputError
 from ..gap.diagnosis import Diagnosis
 from ..gap.machine import RunData
-from .skeletons import Floats, Skeleton, skeleton
+from ..gap.step_machine import MoveRun
+from .logged import pictured
+from .skeletons import Floats, Skeleton
 
 FRAMES_PER_SECOND = 30.0
 LONGEST = 20.0  # of a replay [s]
 SHARE = 0.05  # of the motion, that the larger ghost's difference is magnified to
 STILL = 0.01  # share of its range below which a coordinate that travels stands still in this run
+MOVE = 0.2  # shown for each move of a machine that is logged move by move [s]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,39 +34,45 @@ class Replay:
     measured: Floats
     ghosts: dict[str, Floats]  # already magnified; those that diverge are left out
     magnify: float
+    simulated: bool  # under the log set's law; else predicted from the last readings
+    moves: bool = False  # whether a sample is a move
 
 
 def replay(diagnosis: Diagnosis, run: str | None = None, magnify: float | None = None) -> Replay:
-    """The named run, or the first held-out one; InputError for another name or a machine without a picture.
+    """The named run, or the first held-out one; InputError for another name or a machine without a shape.
 
     Without ``magnify`` the larger difference becomes 5 % of the motion, in the coordinates that move.
     """
     chosen = _choose(diagnosis, run)
-    machine = skeleton(_name(diagnosis))
-    measured = _coordinates(diagnosis, chosen.position)
-    models = {
-        name: _coordinates(diagnosis, position)
-        for name, fit in (("nominal", diagnosis.nominal), ("diagnosed", diagnosis.chosen))
-        if (position := _simulated(diagnosis, chosen, fit)) is not None
-    }
+    machine, coordinates = pictured(diagnosis)
+    time, position, models, simulated = _paths(diagnosis, chosen)
+    measured = coordinates(position)
+    ghosts = {name: coordinates(model) for name, model in models.items()}
     if magnify is None:
-        largest = max(
-            (np.max(np.abs(model - measured), axis=0) for model in models.values()),
-            key=np.max,
-            default=np.zeros(1),
-        )
-        travel = np.ptp(measured, axis=0)
-        moved = travel > STILL * np.array([c.high - c.low for c in machine.coordinates])
-        shares = largest[moved] / travel[moved]
-        magnify = max(1.0, float(SHARE / np.max(shares))) if shares.size and shares.max() else 1.0
+        magnify = _magnified(machine, measured, ghosts)
     return Replay(
         machine=machine,
         run=chosen.name,
-        time=chosen.t - chosen.t[0],
+        time=time,
         measured=measured,
-        ghosts={name: measured + magnify * (m - measured) for name, m in models.items()},
+        ghosts={name: measured + magnify * (m - measured) for name, m in ghosts.items()},
         magnify=magnify,
+        simulated=simulated,
+        moves=isinstance(chosen, MoveRun),
     )
+
+
+def _magnified(machine: Skeleton, measured: Floats, ghosts: dict[str, Floats]) -> float:
+    """Factor that makes the largest difference ``SHARE`` of the motion."""
+    largest = max(
+        (np.max(np.abs(model - measured), axis=0) for model in ghosts.values()),
+        key=np.max,
+        default=np.zeros(1),
+    )
+    travel = np.ptp(measured, axis=0)
+    moved = travel > STILL * np.array([c.high - c.low for c in machine.coordinates])
+    shares = largest[moved] / travel[moved]
+    return max(1.0, float(SHARE / np.max(shares))) if shares.size and shares.max() else 1.0
 
 
 def page(found: Replay) -> str:
@@ -98,11 +107,20 @@ def _with_legend(text: str, found: Replay) -> str:
     caption = (
         "<div role='note' style='position:fixed;left:1rem;bottom:1rem;max-width:28rem;padding:.6rem .8rem;"
         "background:#fffffff0;color:#1a1a1a;font:15px/1.4 system-ui,sans-serif;border-radius:.4rem'>"
-        f"{found.machine.name}, run {markup.escape(found.run)}: {', '.join(entries)}. The models stand off the measured "
-        f"posture by {_times(found.magnify)} their difference from it.</div>"
+        f"{markup.escape(found.machine.name)}, run {markup.escape(found.run)}: {', '.join(entries)}. {_how(found)} They stand "
+        f"off the measured posture by {_times(found.magnify)} their difference from it.</div>"
     )
     assert text.count("</body>") == 1
     return text.replace("</body>", f"{caption}</body>")
+
+
+def _how(found: Replay) -> str:
+    """Where the ghosts come from, one sentence."""
+    if found.moves:
+        return f"Every {MOVE:g} s shows the end of a move, and where each model puts it."
+    if found.simulated:
+        return "The models are simulated on the run's reference under the stated law."
+    return "Each model says from the last readings where the machine will be."
 
 
 def _times(magnify: float) -> str:
@@ -118,32 +136,39 @@ def _choose(diagnosis: Diagnosis, name: str | None) -> RunData:
     return runs[name]
 
 
-def _name(diagnosis: Diagnosis) -> str:
-    return diagnosis.machine.kind.replace("_", "-")
-
-
-def _simulated(diagnosis: Diagnosis, run: RunData, fit: object) -> Floats | None:
-    """Position (samples, n) of the closed loop with a fitted model, None where it diverges."""
+def _paths(diagnosis: Diagnosis, run: RunData) -> tuple[Floats, Floats, dict[str, Floats], bool]:
+    """Times, measured positions (samples, n), those of the models, and whether they are simulated."""
     machine = diagnosis.machine
-    plant = fit.hypothesis.plant(machine, fit.by_key(), run.start)  # type: ignore[attr-defined]
-    loop = machine.simulate(run, plant)
-    if loop is None or not np.isfinite(loop[0]).all():
-        return None
-    return np.asarray(loop[0])
+    fits = {"nominal": diagnosis.nominal, "diagnosed": diagnosis.chosen}
+    plants = {
+        name: fit.hypothesis.plant(machine, fit.by_key(), run.start) for name, fit in fits.items()
+    }
+    loops = {name: machine.simulate(run, plant) for name, plant in plants.items()}
+    if any(loop is not None for loop in loops.values()):
+        found = {name: np.asarray(loop[0]) for name, loop in loops.items() if loop is not None}
+        return run.t - run.t[0], run.position, _finite(found), True
+    errors = {name: machine.predict(run, plant) for name, plant in plants.items()}
+    time, position = run.t[run.window] - run.t[run.window][0], run.position[run.window]
+    if isinstance(run, MoveRun):
+        position, errors = _moves(diagnosis, run, errors)
+        time = MOVE * np.arange(len(position))
+    return time, position, _finite({n: position - error for n, error in errors.items()}), False
 
 
-def _coordinates(diagnosis: Diagnosis, position: Floats) -> Floats:
-    """Coordinates of the skeleton from the encoders' positions (samples, n)."""
-    kind = diagnosis.machine.kind
-    if kind == "c_drive":
-        lead = float(diagnosis.logset.system["nominal"].get("lead_m_per_rev", 0.060))
-        return c_drive.collar_pose(position, lead)
-    if kind == "slider":
-        return position
-    if kind == "pmc":
-        from ...models.pmc import constants
+def _moves(
+    diagnosis: Diagnosis, run: MoveRun, errors: dict[str, Floats]
+) -> tuple[Floats, dict[str, Floats]]:
+    """Joints (moves, 3) after every move, and by how much each model misses them."""
+    columns = next(r for r in diagnosis.logset.runs if r.name == run.name).columns
+    after = np.column_stack([columns[f"q{i}"] for i in (1, 2, 3)])[run.window]
+    after[:, run.joint] += run.moved[run.window]
+    scale = (run.steps * run.expected)[run.window]
+    missed = {name: np.zeros_like(after) for name in errors}
+    for name, error in errors.items():
+        missed[name][:, run.joint] = error[:, 0] * scale
+    return after, missed
 
-        system = diagnosis.logset.system
-        lead = float(system["nominal"]["drive"]["lead"])
-        return np.asarray(system["home"]) + position @ constants.joint_map(lead).T
-    raise InputError("view", f"no picture of a {kind}", "c_drive, slider or pmc")
+
+def _finite(paths: dict[str, Floats]) -> dict[str, Floats]:
+    """Without those that diverge."""
+    return {name: path for name, path in paths.items() if np.isfinite(path).all()}

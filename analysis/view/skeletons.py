@@ -6,6 +6,8 @@ the machine's model, planar machines in the plane z = 0.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,10 +47,24 @@ class Skeleton:
 
 
 def skeleton(name: str) -> Skeleton:
-    """The machine of this name; InputError lists those that exist."""
+    """The machine of this name, or of this .urdf or .sdf file; InputError lists those that exist."""
+    if Path(name).suffix.lower() in (".urdf", ".sdf"):
+        return _model_file(Path(name))
     if name not in MACHINES:
-        raise InputError("view", f"unknown machine {name!r}", f"one of {', '.join(MACHINES)}")
+        raise InputError(
+            "view", f"unknown machine {name!r}", f"one of {', '.join(MACHINES)}, or a model file"
+        )
     return MACHINES[name]()
+
+
+def _model_file(path: Path) -> Skeleton:
+    from ..rig.model_layout import arm_of, completed, drives_of
+    from .tree_skeleton import tree_skeleton
+
+    system, plant = completed(path, {})
+    arm = arm_of(path, system)
+    drives = drives_of(plant, arm, {})
+    return tree_skeleton(path.name, arm, drives.low, drives.high, drives.home)
 
 
 def _c_drive() -> Skeleton:
@@ -235,11 +251,9 @@ def _furuta() -> Skeleton:
     )
 
 
-def _parallel(name: str) -> Callable[[], Skeleton]:
+def _elsewhere(module: str, name: str) -> Callable[[], Skeleton]:
     def build() -> Skeleton:
-        from . import parallel_skeletons
-
-        found: Skeleton = getattr(parallel_skeletons, name)()
+        found: Skeleton = getattr(import_module(f".{module}", __package__), name)()
         return found
 
     return build
@@ -250,10 +264,12 @@ MACHINES: dict[str, Callable[[], Skeleton]] = {
     "slider": _slider,
     "pmc": _pmc,
     "mm3a": _mm3a,
-    "5r": _parallel("five_bar_5r"),
-    "replalink": _parallel("replalink"),
-    "2prr": _parallel("slider_pair"),
-    "mast": _parallel("mast"),
-    "3prs": _parallel("three_prs"),
+    "5r": _elsewhere("parallel_skeletons", "five_bar_5r"),
+    "replalink": _elsewhere("parallel_skeletons", "replalink"),
+    "2prr": _elsewhere("parallel_skeletons", "slider_pair"),
+    "mast": _elsewhere("parallel_skeletons", "mast"),
+    "3prs": _elsewhere("parallel_skeletons", "three_prs"),
     "furuta": _furuta,
+    "pendulum": _elsewhere("servo_skeletons", "pendulum"),
+    "arm": _elsewhere("servo_skeletons", "so101"),
 }

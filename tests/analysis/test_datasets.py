@@ -23,7 +23,8 @@ def mirror(tmp_path, monkeypatch):
     for name, content in FILES.items():
         (folder / name).write_bytes(content)
     hashes = {name: hashlib.sha256(content).hexdigest() for name, content in FILES.items()}
-    entry = {"source": "a paper", "license": "none", "files": hashes}
+    original = "https://example.org/axis.zip"
+    entry = {"source": "a paper", "original": original, "license": "none", "files": hashes}
     monkeypatch.setattr(datasets, "known_sets", lambda: {"axis": entry})
     monkeypatch.delenv(datasets.VARIABLE, raising=False)
     return folder.parent
@@ -76,7 +77,7 @@ def test_a_missing_file_on_the_mirror_is_one_error(mirror, server, tmp_path):
 
 
 def test_without_a_source_the_remedy_is_named(mirror, tmp_path):
-    with pytest.raises(InputError, match=r"a paper.*GAPSCOPE_DATA.*--url"):
+    with pytest.raises(InputError, match=r"GAPSCOPE_DATA=FOLDER.*--url.*axis\.zip.*a paper"):
         datasets.get("axis", tmp_path / "out")
     with pytest.raises(InputError, match="one of axis"):
         datasets.get("axes", tmp_path / "out")

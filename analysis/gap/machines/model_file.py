@@ -14,22 +14,22 @@ from typing import Any
 import numpy as np
 
 from ....models import rigid_tree_kernels
-from ....models.joint import VISCOUS, WIDTH, ideal_joints
-from ....models.rigid_tree import REVOLUTE, Tree, point_mass
+from ....models.joint import DRY, VISCOUS, WIDTH, ideal_joints
+from ....models.rigid_tree import PARAMETERS, REVOLUTE, Tree
 from ...errors import InputError
-from ..effects.base import Form, Values, everywhere, parameter
 from ..logset import FILE, LogSet, Run
-from ..machine import Array, Parameter, RunData, encoder_step, own_parameter
+from ..machine import Array, RunData, encoder_step, own_parameter
 from ..rigid_effects import SIGN_WIDTH, joint_forms
 from ..rigid_machine import RigidMachine, RigidPlant, RigidRun, bandwidth_for, prepared
+from .model_forms import mass_forms
 from .pd_loop import JointPd, pd_controllers, replay, simulate
 from .reference import derivatives
 from .settings import Settings, tolerance
 
 KEYS = {"model", "joints", "base", "passive", "locked", "torque_constant", "effort", "payload",
-        "tolerance", "limits", "description", "note", "kind"}  # fmt: skip
+        "coulomb", "tolerance", "limits", "description", "note", "kind"}  # fmt: skip
 MOST_BANDWIDTH = 150.0  # rad/s
-PAYLOAD = 10  # standard parameters of what the last body carries
+PAYLOAD = PARAMETERS  # of what the last body carries
 TILTS = 2  # gravity along two horizontal directions [m/s^2]
 
 
@@ -103,7 +103,19 @@ def read(logset: LogSet) -> tuple[RigidMachine, list[RunData]]:
     steps = np.max([[encoder_step(p[:, None]) for p in run.position.T] for run in runs], axis=0)
     bandwidth = bandwidth_for([r.position for r in runs], logset.dt, steps, MOST_BANDWIDTH)
     made = [prepared(run, arm.columns, bandwidth) for run in runs]
-    return _machine(arm, actuated, made, bandwidth, tolerance(logset)), list(made)
+    machine = _machine(
+        arm, actuated, made, bandwidth, tolerance(logset), dry_friction(where, logset.system)
+    )
+    return machine, list(made)
+
+
+def dry_friction(where: str, system: Mapping[str, Any]) -> dict[str, float]:
+    """Nominal dry friction [N m or N] by joint, ``system.coulomb``; model files have no place for it."""
+    given = system.get("coulomb", {})
+    if not isinstance(given, dict):
+        raise InputError(f"{where}.coulomb", f"{given!r}", "levels by joint [N m or N]")
+    settings = Settings(f"{where}.coulomb", given, set(map(str, system["joints"])))
+    return {str(name): settings.number(name, positive=True) for name in given}
 
 
 def load_arm(logset: LogSet) -> Arm:
@@ -206,7 +218,12 @@ def _run_data(
 
 
 def _machine(
-    arm: Arm, actuated: Sequence[str], runs: Sequence[RigidRun], bandwidth: float, relative: float
+    arm: Arm,
+    actuated: Sequence[str],
+    runs: Sequence[RigidRun],
+    bandwidth: float,
+    relative: float,
+    dry: Mapping[str, float],
 ) -> RigidMachine:
     rate = np.concatenate([run.rate[run.window] for run in runs])
     width = SIGN_WIDTH * np.maximum(np.sqrt(np.mean(rate**2, axis=0)), 1e-9)
@@ -223,6 +240,7 @@ def _machine(
             phi[i] = values[name]
         for j, name in enumerate(arm.joints):
             joints.law[j, VISCOUS] = values.get(f"damping_{name}", 0.0)
+            joints.law[j, DRY] = values.get(f"coulomb_{name}", 0.0)
         return RigidPlant(
             phi=phi, joints=joints, inputs=inputs, offset=np.zeros(n), scale=np.ones(n)
         )
@@ -238,73 +256,14 @@ def _machine(
         own=tuple(
             [own_parameter(name, "-", 1.0, relative) for _, name in heavy]
             + [own_parameter(name, "N m s/rad", d, relative) for _, name, d in damped]
+            + [own_parameter(f"coulomb_{j}", "N m", level, relative) for j, level in dry.items()]
         ),
         damping={joint: name for joint, name, _ in damped},
         bandwidth=bandwidth,
         plant=plant,
-        effects=lambda machine, runs: [*joint_forms(machine, runs), *_mass_forms(arm)],
+        effects=lambda machine, runs: [*joint_forms(machine, runs), *mass_forms(arm)],
         loop=lambda run, plant: simulate(arm, run, plant),
         replayed=lambda runs: replay(arm, runs),
-    )
-
-
-def _mass_forms(arm: Arm) -> list[Form]:
-    """A payload at its stated place or anywhere on its body, a heavier link, a tilted base."""
-    first = len(arm.bodies)
-    total = float(arm.inertia[:, 0].sum())
-    carrier = arm.bodies[arm.carrier]
-    mass = parameter("mass", "kg", 0.1 * total, lower=-0.5 * total)
-    reach = max(2.0 * float(np.max(np.abs(arm.place))), 0.05)
-    free = tuple(
-        parameter(f"place_{axis}", "m", 0.2 * reach, lower=-reach, upper=reach, starts=(float(p),))
-        for axis, p in zip("xyz", arm.place)
-    )
-
-    def carry(plant: RigidPlant, values: Values) -> None:
-        place = [values.get(f"place_{axis}", p) for axis, p in zip("xyz", arm.place)]
-        plant.phi[first : first + PAYLOAD] += values["mass"] * point_mass(np.array(place))
-
-    def tilt(plant: RigidPlant, values: Values) -> None:
-        plant.phi[-2:] += np.linalg.norm(arm.gravity) * np.array(
-            [values["tilt_x"], values["tilt_y"]]
-        )
-
-    def form(effect: str, name: str, free: tuple[Parameter, ...], apply: Any, **more: Any) -> Form:
-        where = more.pop("where", everywhere("bodies", [carrier]))
-        return Form(effect=effect, name=name, parameters=free, apply=apply, where=where, **more)
-
-    own = f"mass_factor_{carrier}"
-    forms = [
-        form("inertia.payload", "point mass", (mass,), carry, replaces=frozenset({own})),
-        form("inertia.payload", "point mass, place free", (mass, *free), carry,
-             own_start=True, shapes=frozenset(p.name for p in free), replaces=frozenset({own})),
-    ]  # fmt: skip
-    for i, body in enumerate(arm.bodies):
-        if arm.inertia[i, 0] > 0.0:
-            forms.append(_heavier(i, body))
-    if np.linalg.norm(arm.gravity) > 0.0:
-        angles = tuple(
-            parameter(f"tilt_{axis}", "rad", 0.05, lower=-0.5, upper=0.5) for axis in "xy"
-        )
-        forms.append(
-            form("load.bias", "tilted base", angles, tilt, where=everywhere("joints", arm.joints),
-                 own_start=True)
-        )  # fmt: skip
-    return forms
-
-
-def _heavier(i: int, body: str) -> Form:
-    def apply(plant: RigidPlant, values: Values) -> None:
-        plant.phi[i] += values[f"excess_{body}"]
-
-    return Form(
-        effect="inertia.payload",
-        name=f"mass and inertia of {body}",
-        parameters=(parameter(f"excess_{body}", "-", 0.2, lower=-0.9),),
-        apply=apply,
-        where=everywhere("bodies", [body]),
-        replaces=frozenset({f"mass_factor_{body}"}),
-        own_start=True,
     )
 
 

@@ -18,28 +18,10 @@ def parsed(
     locked: Mapping[str, float],
 ) -> Arm:
     """The arm in a model file; InputError for what is not a fixed-base tree with these joints."""
-    from pydrake.multibody.parsing import Parser
-    from pydrake.multibody.plant import MultibodyPlant
-
     from ....systems.rigid_tree import tree_of
 
-    plant = MultibodyPlant(0.0)
-    try:
-        models = Parser(plant).AddModels(path)
-        _weld_base(plant, system, where)
-        plant.Finalize()
-    except RuntimeError as error:
-        raise InputError(
-            path, f"Drake cannot read the model: {str(error).splitlines()[0][:300]}",
-            "an arm as a tree of bodies: no closed loop",
-        ) from None  # fmt: skip
-    if len(models) != 1:
-        raise InputError(path, f"{len(models)} models", "one model in the file")
-    known = [
-        plant.get_joint(i).name()
-        for i in plant.GetJointIndices()
-        if plant.get_joint(i).num_velocities()
-    ]
+    plant = loaded(path, where, system)
+    known = moving(plant)
     for name in (*joints, *locked):
         if name not in known:
             raise InputError(
@@ -68,6 +50,32 @@ def parsed(
         carrier=carrier,
         place=place,
     )
+
+
+def loaded(path: Path, where: str, system: Mapping[str, Any]) -> Any:
+    """The finalized MultibodyPlant of a model file, its ``system.base`` welded; InputError for another file."""
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+
+    plant = MultibodyPlant(0.0)
+    try:
+        models = Parser(plant).AddModels(path)
+        _weld_base(plant, system, where)
+        plant.Finalize()
+    except RuntimeError as error:
+        raise InputError(
+            path, f"Drake cannot read the model: {str(error).splitlines()[0][:300]}",
+            "an arm as a tree of bodies: no closed loop",
+        ) from None  # fmt: skip
+    if len(models) != 1:
+        raise InputError(path, f"{len(models)} models", "one model in the file")
+    return plant
+
+
+def moving(plant: Any) -> list[str]:
+    """Names of the joints that move."""
+    joints = [plant.get_joint(i) for i in plant.GetJointIndices()]
+    return [joint.name() for joint in joints if joint.num_velocities()]
 
 
 def _weld_base(plant: Any, system: Mapping[str, Any], where: str) -> None:

@@ -5,7 +5,7 @@ order of ``system.joints``:  tau = kp e + kd (r' - D(q)) + g(q), D the differenc
 nominal gravity load at the measured position. ``kind: unknown`` states no law.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -36,12 +36,13 @@ class JointPd(NamedTuple):
 def pd_controllers(logset: LogSet, joints: int, all_driven: bool) -> dict[str, JointPd | None]:
     """Every stated controller by its id, None where no law is known."""
     return {
-        name: _controller(f"{logset.folder / FILE}, controllers.{name}", given, joints, all_driven)
+        name: joint_pd(f"{logset.folder / FILE}, controllers.{name}", given, joints, all_driven)
         for name, given in logset.controllers.items()
     }
 
 
-def _controller(where: str, given: Any, joints: int, all_driven: bool) -> JointPd | None:
+def joint_pd(where: str, given: Mapping[str, Any], joints: int, all_driven: bool) -> JointPd | None:
+    """The law of a ``controller`` block, None for ``kind: unknown``; InputError says what does not fit."""
     kind = given.get("kind")
     if kind == "unknown":
         return None

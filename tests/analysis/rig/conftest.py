@@ -11,8 +11,8 @@ from gapscope.analysis.rig.states import MOVING, Event, State
 class Bench:
     """Drives a rig through whole motions."""
 
-    def __init__(self, kind, folder, fault="none", seed=1):
-        self.rig = Rig(machines.build(kind, fault, seed), Recorder(folder), seed)
+    def __init__(self, kind, folder, fault="none", seed=1, **model):
+        self.rig = Rig(machines.build(kind, fault, seed, **model), Recorder(folder), seed)
         self.tick(1)
 
     def tick(self, samples):
