@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from .attribution import LEAST_GAIN
 from .effects import Form
 from .hypothesis import Fit, Hypothesis
 from .machine import Array, Parameter
 from .prediction import Predictor
+from .selection import LEAST_GAIN
 
 TYPICAL = 0.5  # of a parameter's scale, where a form names no other size to start from
 MOST = 10.0  # prediction error, in rms of what is predicted, above which a typical size runs away

@@ -64,7 +64,7 @@ def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
     scores = 0.5 * np.log(losses.sum(axis=1) / samples.sum()) + prices
     # Twins have one score; which of them fits better says a little of which it is.
     shared = _best_of_twins(scores[:, None], _late_groups(chosen), chosen)[:, 0]
-    order = np.lexsort(([f.rms for f in chosen], shared))
+    order = np.lexsort((np.array([f.rms for f in chosen]), shared))
     return [ranked[i] for i in order]
 
 

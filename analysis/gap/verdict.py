@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from .attribution import LEAST_GAIN
 from .floor import NO_CYCLES
 from .ranking import Ranked
+from .selection import LEAST_GAIN
 from .shrinkage import Shrinkage
 from .signals import SignalFinding
 

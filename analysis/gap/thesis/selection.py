@@ -5,7 +5,7 @@ Smaller than ``gap.attribution.attribute``: 27 numbers carry no third effect and
 
 from collections.abc import Callable, Sequence
 
-from ..attribution import LEAST_GAIN
+from ..selection import LEAST_GAIN
 from ..effects import Form
 from ..hypothesis import Fit
 from ..ranking import Ranked, rank
