@@ -5,10 +5,10 @@ Smaller than ``gap.attribution.attribute``: 27 numbers carry no third effect and
 
 from collections.abc import Callable, Sequence
 
-from ..selection import LEAST_GAIN
 from ..effects import Form
 from ..hypothesis import Fit
 from ..ranking import Ranked, rank
+from ..selection import LEAST_GAIN
 from .fitting import TableFitter
 
 PARENTS = 1  # single effects that a second one is added to
