@@ -33,7 +33,7 @@ from .order import Share, order_shares
 from .prediction import Predictor
 from .ranking import Ranked
 from .shrinkage import Shrinkage, shrinkage
-from .signals import SignalFinding
+from .signals import HOME, SignalFinding, parked
 from .verdict import Verdict, confirmed, decide, doubted, in_step, with_findings, with_late_clock
 
 HELD_BACK = 0.3  # share of a lone run's end that is kept for validation
@@ -172,7 +172,7 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     log = logset if isinstance(logset, LogSet) else load_logset(logset)
     tell("checking signals and clocks")
     machine, logged = read_machine(log)
-    logged = _with_validation(logged)
+    logged = [_settled(machine, run) for run in _with_validation(logged)]
     runs, findings = machine.examine(logged, stated_encoder_step(log))
     replays = machine.replays(runs)
     fit_runs = [run for run in runs if run.use == "fit"]
@@ -193,6 +193,8 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     aside = machine.out_of_step(fit_runs, best)
     verdict = decide(ranking, retuned_rank, floor)
     verdict = within_law(verdict, ranking, retuned_rank, floor, machine.law_error)
+    if verdict.accepted is not None and parked(fit_runs, verdict.accepted.fit):
+        findings = [f for f in findings if f.form != HOME]
     verdict = with_late_clock(in_step(verdict, aside), ranking, findings)
     verdict = with_findings(verdict, findings)
     chosen = verdict.accepted.fit if verdict.accepted else retuned
@@ -258,6 +260,12 @@ def _with_validation(runs: Sequence[RunData]) -> list[RunData]:
         split.append(replace(run, window=slice(0, cut), lsb=step))
         split.append(replace(run, use="validate", window=slice(cut, None), lsb=step))
     return split
+
+
+def _settled(machine: Machine, run: RunData) -> RunData:
+    """The run without the samples that only show what is not known of its first state."""
+    first = max(run.window.start or 0, machine.settling(run))
+    return replace(run, window=slice(first, run.window.stop))
 
 
 def _nominal_fit(predictor: Predictor) -> Fit:

@@ -15,13 +15,16 @@ from ...models import drive_kernels
 from ...models.drive import Drive
 from . import batches
 from . import floor as floors
-from .machine import Array, Machine, RunData
+from .machine import Array, Machine, RunData, starts_in_motion
 
 if TYPE_CHECKING:
     from .clock import ReplayCheck
     from .effects import Form, Scan
     from .inverse_model import Structure
     from .signals import SignalFinding
+
+
+FORGOTTEN = 15.0  # time constants of the correction after which a first speed leaves nothing in the residual
 
 
 @dataclass
@@ -141,6 +144,11 @@ class DriveMachine(Machine):
     def floor(self, runs: Sequence[RunData], residuals: Sequence[Array]) -> tuple[list[Array], str]:
         """Cycle-to-cycle repeatability, never below what the encoder's resolution does."""
         return floors.noise_floor(runs, residuals, self.bandwidth)
+
+    def settling(self, run: RunData) -> int:
+        """Predictions start from rest; the correction forgets another first speed after a while."""
+        forgotten = int(np.ceil(FORGOTTEN / (self.bandwidth * run.dt)))
+        return forgotten if starts_in_motion(run) else 0
 
     def out_of_step(self, runs: Sequence[RunData], residuals: Sequence[Array]) -> float | None:
         """What does not repeat, over the encoder's noise."""

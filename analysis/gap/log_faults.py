@@ -63,7 +63,8 @@ def log_faults(machine: Machine, runs: Sequence[RunData], lsb: float) -> list[Fa
         corrected: Callable[[RunData, Array], RunData],
         in_model: bool,
     ) -> Fault:
-        starts = tuple(np.full(len(names), 1e3 * (unit - 1.0)) for unit in UNITS)
+        factors = (*UNITS, -1.0)  # or with the other sign
+        starts = tuple(np.full(len(names), 1e3 * (factor - 1.0)) for factor in factors)
         return Fault(
             effect="sensor.scale", form=form, names=names, units=("-",) * len(names),
             scale=np.full(len(names), 1e-3), starts=starts, bound=np.inf,

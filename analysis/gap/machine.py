@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .signals import SignalFinding
 
 Array = NDArray[np.float64]
+STILL = 0.02  # of the largest speed: less is standstill
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,6 +158,10 @@ class Machine(ABC):
         """Floor samples (k, n) of every run [residual unit] and how they were found."""
         return repeatability_floor(runs, residuals)
 
+    def settling(self, run: RunData) -> int:
+        """Samples at the beginning of a run whose residual shows the unknown first state, not the machine."""
+        return 0
+
     def out_of_step(self, runs: Sequence[RunData], residuals: Sequence[Array]) -> float | None:
         """How many times what does not repeat exceeds measurement noise; None where unknown."""
         return None
@@ -194,6 +199,12 @@ def own_parameter(name: str, unit: str, value: float, tolerance: float) -> Param
         scale=abs(value),
         starts=(value,),
     )
+
+
+def starts_in_motion(run: RunData) -> bool:
+    """Whether the reference moves when the run begins, so that the first speed is not zero."""
+    rate = np.abs(run.reference_rate)
+    return bool(np.any(rate[0] > STILL * np.max(rate)))
 
 
 def encoder_step(position: Array) -> float:

@@ -17,9 +17,9 @@ from scipy.optimize import least_squares
 from .clock import replay
 from .fitting import fit
 from .floor import white_noise
-from .hypothesis import Hypothesis
+from .hypothesis import Fit, Hypothesis
 from .log_faults import OTHER_UNIT, Fault, log_faults
-from .machine import Array, Machine, RunData, rms
+from .machine import Array, Machine, RunData, rms, starts_in_motion
 from .prediction import Predictor
 
 FAITHFUL = 0.01  # replay difference, relative to the rms command, that needs no explanation
@@ -30,6 +30,11 @@ HOME_NOISE = 5.0  # standard deviations of the reading's noise that it may be aw
 STAYS = 0.5  # share of the first reading's distance that is still there on average: a sag
 COARSER = 1.5  # ratio of the encoder step found to the stated one
 ALIKE = 1.02  # ratio of errors that does not tell two faults from each other
+DRY = "friction.coulomb", "friction.stribeck", "friction.presliding"
+HOME = "home offset"
+PARKED = (
+    1.5  # ratio to the level of dry friction up to which a command holds a machine where it stopped
+)
 EDGE = 60  # samples at the ends that do not count: filters settle, shifts lack data
 
 
@@ -189,7 +194,10 @@ def _resolution(
 
 
 def _home_offset(machine: Machine, runs: Sequence[RunData]) -> list[SignalFinding]:
-    """A first reading that is away from the reference by the same amount in every run."""
+    """A first reading that is away from the reference by the same amount in every run that starts from rest."""
+    runs = [run for run in runs if not starts_in_motion(run)]
+    if len(runs) < 2:
+        return []
     first = np.array([run.position[0] - run.reference[0] for run in runs])
     mean, spread = first.mean(axis=0), np.ptp(first, axis=0)
     lsb = max(run.lsb for run in runs)
@@ -201,12 +209,12 @@ def _home_offset(machine: Machine, runs: Sequence[RunData]) -> list[SignalFindin
     # driven to it.
     later = np.mean([np.mean(q - wanted, axis=0) for q, wanted in seen], axis=0)
     away &= np.abs(later) < STAYS * np.abs(mean)
-    if lsb <= 0.0 or len(runs) < 2 or not np.any(away):
+    if lsb <= 0.0 or not np.any(away):
         return []
     return [
         SignalFinding(
             effect="sensor.offset",
-            form="home offset",
+            form=HOME,
             where={"joints": [s for s, a in zip(machine.joints, away) if a]},
             parameters={
                 f"offset_{s}": {"value": float(m), "unit": machine.position_unit}
@@ -218,3 +226,15 @@ def _home_offset(machine: Machine, runs: Sequence[RunData]) -> list[SignalFindin
             after=float(np.max(spread)),
         )
     ]
+
+
+def parked(runs: Sequence[RunData], found: Fit) -> bool:
+    """Whether dry friction of a hypothesis holds the machine against the command that every run starts with.
+
+    A machine that stopped short of its reference starts there again: its first reading says nothing of the encoder.
+    """
+    levels = [
+        v for (effect, name), v in found.by_key().items() if effect in DRY and "level" in name
+    ]
+    first = max(float(np.max(np.abs(run.command[0]))) for run in runs)
+    return bool(levels) and first < PARKED * max(levels)

@@ -31,6 +31,7 @@ CONTACT = 3e4  # contact stiffness: the peak effort deflects it by 1/CONTACT of 
 FORCES = [VISCOUS, VISCOUS_SKEW, FORWARD, BACKWARD, BREAKAWAY, STIFFNESS]  # scale with the friction
 MOST_SHARE = 0.97
 OTHER_SHARES = 0.75, 0.88, 1.12  # of the machine's own estimate, which is rarely printed
+MOST_STEPS = 512  # of one sample
 STEPS_PER_RADIAN = 1.2  # Runge-Kutta steps per radian of the fastest coupling mode
 CONTACT_STEPS = (
     0.9  # as STEPS_PER_RADIAN, beside a clearance: the error of an impact falls slowly with more
@@ -77,7 +78,8 @@ def split(
     shaft[n:, LIMIT] = np.inf
     shaft[n:, STAGES] = 1.0
     shaft[n:, LOAD_WIDTH] = shaft[:n, LOAD_WIDTH]
-    fastest = np.sqrt(stiffness * (1.0 / motor + 1.0 / float(np.linalg.eigvalsh(load)[0])))
+    with np.errstate(invalid="ignore"):  # of a load with negative inertia, whose prediction fails
+        fastest = np.sqrt(stiffness * (1.0 / motor + 1.0 / np.linalg.eigvalsh(load)[0]))
     coupling = np.zeros((n, 5))
     coupling[:, FROM_SHAFT] = np.arange(n)
     coupling[:, TO_SHAFT] = n + np.arange(n)
@@ -92,7 +94,9 @@ def split(
 
 def _few_sizes(steps: float) -> int:
     """At least so many steps, one of 1, 2, 3, 4, 6, 8, 12, 16, 24...: plants of equal ones are predicted together."""
-    power = 2 ** max(int(np.floor(np.log2(max(steps, 1.0)))), 0)
+    # NaN makes 1: a plant with a negative inertia, whose prediction fails.
+    steps = min(max(1.0, steps), MOST_STEPS)
+    power = 2 ** int(np.floor(np.log2(steps)))
     return next(n for n in (power, 3 * power // 2, 2 * power) if n >= steps)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gapscope.analysis.gap import signals
+from gapscope.analysis.gap.hypothesis import Fit, Hypothesis
 from gapscope.analysis.gap.log_faults import OTHER_UNIT, log_faults
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine, stated_encoder_step
@@ -174,3 +175,42 @@ def test_faults_of_what_the_model_is_driven_by_must_help_the_model(case):
         assert {f.form for f in faults if f.in_model} == {
             "command early", "scale of the command in the log", OTHER_UNIT,
         }  # fmt: skip
+
+
+def test_a_command_of_the_other_sign(case):
+    findings = found(case, lambda run: replace(run, command=-run.command))
+    assert set(findings) == {"sensor.scale"}
+    factor = 1.0 + findings["sensor.scale"].parameters["scale_error"]["value"]
+    assert factor == pytest.approx(-1.0, abs=1e-3)
+
+
+def in_mid_motion(run, first=150):
+    signals = ("t", "reference", "reference_rate", "reference_acceleration", "position", "command")
+    return replace(run, **{name: getattr(run, name)[first:] for name in signals})
+
+
+def test_a_log_that_starts_in_motion_has_no_home_offset_and_settles(case):
+    machine, runs, _ = case
+    moving = [in_mid_motion(run) for run in runs if run.use == "fit"]
+    late = [
+        replace(run, position=run.position - 0.02 * np.exp(-run.t / 0.05)[:, None])
+        for run in moving
+    ]
+    assert signals._home_offset(machine, late) == []
+    assert all(machine.settling(run) > 0 for run in moving)
+    assert all(machine.settling(run) == 0 for run in runs)
+
+
+def test_a_machine_held_by_dry_friction_is_parked(case):
+    _, runs, _ = case
+    level = np.array([1.0])
+    stuck = Fit(
+        hypothesis=Hypothesis(), keys=(("friction.coulomb", "level_left"),), units=("N m",), values=level,
+        deviation=level, at_bound=level > 2.0, losses=level, samples=level, rms=1.0, held_out_rms=1.0,
+        importance=level, converged=True,
+    )  # fmt: skip
+    pushed = [replace(run, command=run.command + 0.9) for run in runs]
+    assert signals.parked(pushed, stuck)
+    assert not signals.parked([replace(run, command=run.command + 9.0) for run in runs], stuck)
+    smooth = replace(stuck, keys=(("load.bias", "bias_left"),))
+    assert not signals.parked(pushed, smooth)
