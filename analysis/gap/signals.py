@@ -15,8 +15,10 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from .clock import replay
+from .effects.two_inertia import FAMILY
 from .fitting import fit
 from .floor import white_noise
+from .growth import with_each
 from .hypothesis import Fit, Hypothesis
 from .log_faults import OTHER_UNIT, Fault, log_faults
 from .machine import Array, Machine, RunData, rms, starts_in_motion
@@ -29,6 +31,7 @@ HOME_COUNTS = 3.0  # encoder steps that the first reading may be away from the r
 HOME_NOISE = 5.0  # standard deviations of the reading's noise that it may be away
 STAYS = 0.5  # share of the first reading's distance that is still there on average: a sag
 COARSER = 1.5  # ratio of the encoder step found to the stated one
+CLOSE = 2.0  # ratio of replay differences that does not tell which clock is off
 ALIKE = 1.02  # ratio of errors that does not tell two faults from each other
 DRY = "friction.coulomb", "friction.stribeck", "friction.presliding"
 HOME = "home offset"
@@ -123,9 +126,8 @@ def _best_fault(
     if units and units[0].after < ALIKE * best.after:  # what a scale of the command does as well
         return units[0], before
     if best in clocks:  # the controller's law hardly tells which signal is late, the machine does
-        errors = [_predicted(machine, runs, f) for f in clocks]
-        close = [f for f, error in zip(clocks, errors) if error < ALIKE * min(errors)]
-        best = min(close, key=lambda f: f.after)
+        alike = [f for f in clocks if f.after < CLOSE * best.after]
+        best = min(alike, key=lambda f: _predicted(machine, runs, f, len(alike) > 1))
     return best, before
 
 
@@ -150,10 +152,20 @@ def _fit(fault: Fault, runs: Sequence[RunData]) -> tuple[Array, float]:
     return solution.x, float(np.sqrt(np.mean(residual(solution.x) ** 2)))
 
 
-def _predicted(machine: Machine, runs: Sequence[RunData], fitted: _Fitted) -> float:
-    """Prediction error of the retuned nominal model on the corrected runs [position unit]."""
+def _predicted(
+    machine: Machine, runs: Sequence[RunData], fitted: _Fitted, with_effect: bool = False
+) -> float:
+    """Prediction error of the retuned nominal model on the corrected runs [position unit].
+
+    ``with_effect`` adds the one effect that predicts them best: beside what an effect does, a clock may not show.
+    """
     seen = [fitted.fault.correct(run, fitted.x) for run in runs]
-    return fit(Predictor(machine, seen), Hypothesis()).rms
+    predictor = Predictor(machine, seen)
+    retuned = fit(predictor, Hypothesis())
+    if not with_effect:
+        return retuned.rms
+    plain = [f for f in machine.forms(seen) if not (f.refined or f.shifts or f.family == FAMILY)]
+    return min(f.rms for f in [retuned, *with_each(predictor, retuned, plain, lambda text: None)])
 
 
 def _difference(runs: Sequence[RunData]) -> float:
