@@ -19,11 +19,12 @@ from ...models.servo_kernels import Axes
 
 Array = NDArray[np.float64]
 
+# Assumed sizes: in z it gives the printed difference of torques at 10 Hz, and the tilts move a slider about as far.
 MOTIONS = {
     "z": (0, 4e-3),
-    "psi": (1, np.deg2rad(2.0)),
-    "theta": (2, np.deg2rad(2.0)),
-}  # assumed; the size in z gives the printed difference of torques at 10 Hz
+    "psi": (1, np.deg2rad(0.65)),
+    "theta": (2, np.deg2rad(0.65)),
+}
 FREQUENCIES = (0.4, 0.5, 1.0, 2.0, 3.0, 3.5, 4.0, 4.5, 5.0, 7.0, 10.0, 14.0, 20.0)  # [Hz]
 PRINTED = {0.4: (0.994, -6.3), 5.0: (0.654, -62.5), 10.0: (0.432, -103.7)}  # gain, phase [deg]
 PRINTED_BANDWIDTH = {"axes alone": 4.0, "with the table": 3.5}  # [Hz]
