@@ -9,6 +9,7 @@ import numpy as np
 
 from .hypothesis import Fit, Hypothesis
 from .machine import Array, Machine, RunData
+from .scaled import ScaledParameters
 
 DIVERGED = 1e6  # multiples of the signal's spread: a prediction this far off has diverged
 STEP = 1e-4  # finite-difference step, in parameter scales
@@ -53,21 +54,15 @@ def _times(runs: Sequence[RunData]) -> set[float]:
     return {run.start for run in runs}
 
 
-class Problem:
+class Problem(ScaledParameters):
     """Residuals of a hypothesis as functions of its free parameters in units of their scales."""
 
     def __init__(self, predictor: Predictor, hypothesis: Hypothesis) -> None:
-        free = hypothesis.free(predictor.machine)
+        super().__init__(hypothesis, predictor.machine)
         self.predictor = predictor
-        self.hypothesis = hypothesis
-        self.keys = tuple((effect, p.name) for effect, p in free)
-        self.parameters = [p for _, p in free]
-        self.scale = np.array([p.scale for p in self.parameters])
-        self.lower = np.array([p.lower for p in self.parameters]) / self.scale
-        self.upper = np.array([p.upper for p in self.parameters]) / self.scale
         self.step = max([STEP, *(form.step for form in hypothesis.forms)])
         self.rough = hypothesis.rough
-        self.of_effects = np.array([effect != "" for effect, _ in free], dtype=bool)
+        self.of_effects = np.array([effect != "" for effect, _ in self.keys], dtype=bool)
 
     def runs(self, points: Sequence[Array], runs: Sequence[RunData] | None = None) -> list[Any]:
         """Residuals of the runs at every point."""
@@ -84,7 +79,7 @@ class Problem:
 
     def columns(self, x: Array, residual: Array, which: Sequence[int]) -> Array:
         """Some columns of the Jacobian at ``x``, where the residual is known."""
-        steps = np.where(x + self.step > self.upper, -self.step, self.step)
+        steps = self.steps(x, self.step)
         points = [x + steps[i] * unit for i, unit in zip(which, np.eye(x.size)[list(which)])]
         moved = [flatten(r) for r in self.runs(points)]
         return np.column_stack([(m - residual) / steps[i] for m, i in zip(moved, which)])
@@ -114,11 +109,6 @@ class Problem:
             else value == 0.0 or key in neutral
             for key, value in zip(self.keys, self.scale * x)
         )
-
-    def inside(self, x: Array) -> Array:
-        """``x`` drawn a little into the bounds, where trust-region searches start."""
-        margin = 1e-3 * np.minimum(self.upper - self.lower, 1.0)
-        return np.clip(x, self.lower + margin, self.upper - margin)
 
 
 def flatten(residuals: Sequence[Array]) -> Array:

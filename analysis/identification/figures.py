@@ -6,12 +6,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from ..figures import BLUE, ORANGE, SKY, VERMILION
 from .base import words
 from .study import Study
 
 Axes = Any
+Floats = NDArray[np.float64]
 Writer = Callable[[Path], Any]
 
 
@@ -77,10 +79,12 @@ def forces(study: Study) -> Figure:
     unit = "N" if m.unit == "m" else "N m"
     for i, axes in enumerate(np.atleast_1d(figure.subplots(m.axes, 1, sharex=True))):
         own = data.axis == i
-        t = data.time[own]
-        axes.plot(t, theory[own], color=SKY, lw=1.0, label="theoretical, no friction")
-        axes.plot(t, data.force[own], color="0.3", lw=1.6, label="measured (simulated)")
-        axes.plot(t, predicted[own], color=VERMILION, lw=1.0, ls="--", label="identified, feasible")
+        t, without, measured, found = _broken(
+            data.time[own], theory[own], data.force[own], predicted[own]
+        )
+        axes.plot(t, without, color=SKY, lw=1.0, label="theoretical, no friction")
+        axes.plot(t, measured, color="0.3", lw=1.6, label="measured (simulated)")
+        axes.plot(t, found, color=VERMILION, lw=1.0, ls="--", label="identified, feasible")
         axes.set_ylabel(f"axis {i + 1} [{unit}]")
     axes.set_xlabel("time [s]")
     figure.legend(
@@ -97,6 +101,13 @@ def forces(study: Study) -> Figure:
     return figure
 
 
+def _broken(t: Floats, *signals: Floats) -> list[Floats]:
+    """Times and signals with NaN where rows at rest are left out, so that no line leads across."""
+    steps = np.diff(t)
+    gaps = 1 + np.flatnonzero(steps > 1.5 * np.median(steps))
+    return [np.insert(signal, gaps, np.nan) for signal in (t, *signals)]
+
+
 def _joint_space(axes: Axes, study: Study, factor: float) -> None:
     m = study.machine
     low, high = factor * m.lower[:2], factor * m.upper[:2]
@@ -109,7 +120,10 @@ def _joint_space(axes: Axes, study: Study, factor: float) -> None:
 
 def _width(half: float, planted: float) -> str:
     """Half-width as a share of the planted value, or as it is where nothing was planted."""
-    return f"± {1e2 * half / abs(planted):.2g} %" if planted else f"± {half:.1g}"
+    if not planted:
+        return f"± {half:.1g}"
+    share = half / abs(planted)
+    return f"± {1e2 * share:.2g} %" if share < 0.995 else f"± {share:.1f} times"
 
 
 def _short(line: str, limit: int = 52) -> str:

@@ -88,10 +88,17 @@ def study(seed: int = 0) -> list[Row]:
 
 
 def _circle(name: str) -> list[Row]:
-    """What no circle at full feed could have without feed-forward, and what the printed lag of the velocity says."""
+    """The speed reached, what no circle at full feed could have without feed-forward, and what the printed lag of the velocity says."""
     path, printed = MOTIONS[name], CIRCLES[name]
     assert isinstance(path, Circle)
     return [
+        Row(
+            quantity=f"{name}, largest speed [m/s]",
+            ours=path.acceleration * path.profile.ramp,
+            printed=path.feed,
+            remark="one turn; below the feed it is too short for this acceleration: a fast circle at constant feed has an "
+            "error above the printed one (below, two turns)",
+        ),
         Row(
             quantity=f"{name}, least error without feed-forward [motor turns]",
             ours=five_bar_variants.least_error(path, GAINS[name]),

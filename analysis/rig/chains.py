@@ -1,7 +1,7 @@
 """The toolbox's parallel machines on the rig; axes are those of the sources where they are printed.
 
 5R: Table 4.1 of Roldan, gear 40:1. RePlaLink: gear 10:1 and rotors of section 6.2, friction the mean of both joints.
-2-PRR: section 6.1, gear 14:1, 70 mm a turn. Table: section 4.2, gear 15:1, 100 mm a turn, the manufacturers' inertia.
+2-PRR: section 6.1, gear 14:1, 70 mm a turn. Table: section 4.2, gear 15:1, 70 mm a turn, the manufacturers' inertia.
 3-PRS: screws of 2 mm a turn. Its flexures pull on the motors with up to 6.7 mN m/rad, a third of the 20 mN m/rad that loops of
 100 rad/s make of its small rotors: they gave way by 20 % of the motion. Its loops are twice as fast and add the nominal
 pull at the reference; what is left is friction. Assumed: torque constants of RePlaLink and 3-PRS, the axes of the 3-PRS, the travel.
@@ -67,9 +67,9 @@ CHAINS = {
         kind="mast",
         nominal={
             "gear_ratio": 15.0,
-            "lead_m_per_rev": 0.1,
+            "lead_m_per_rev": 0.07,
             "torque_constant_Nm_per_A": 0.0302,
-            "rotor_inertia_kg_m2": 2.238e-5,
+            "rotor_inertia_kg_m2": 2.233e-5,
             "viscous_Nms_per_rad": 1.0e-6,
             "coulomb_Nm": 0.01949,
             "sign_width_rad_per_s": 1.0,

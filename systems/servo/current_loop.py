@@ -54,8 +54,9 @@ def _motor() -> DCMotor:
 class CurrentLoop:
     """Proportional and integral loop on the current of a winding, the innermost of a cascade (Roldan, section 3.3.1).
 
-    The source prints neither the winding of the five-bar's motors nor this loop: the defaults are chosen, of the size
-    of a 400 V servo motor with the printed 1.43 N m/A.
+    The source prints no winding of any machine's motors, and not this loop: the defaults are chosen for the five-bar, of
+    the size of a 400 V servo motor with the printed 1.43 N m/A. Other machines' motors have printed torque constants
+    alone: 30.2 mN m/A (2-PRR, 3-PRS), 1.08 N m/A (RePlaLink), and the 2PRU-1PRS table not even that.
     """
 
     motor: DCMotor = field(default_factory=_motor)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 AT_REST = 50  # samples over which no joint's reference has moved
 SEES = 0.5  # rank correlation from which on the servo sees the logged error
 FEWEST = 200  # samples at rest
+ALIKE = 0.1  # spread of the errors, of their median, below which their ranks are those of noise
 
 
 def at_rest(run: "ArmRun") -> Array:
@@ -44,11 +45,19 @@ def errors_and_torques(runs: "Sequence[ArmRun]") -> tuple[Array, Array]:
 
 
 def agreement(runs: "Sequence[ArmRun]") -> float | None:
-    """Rank correlation at rest of torque and size of the error, all joints together; None if unknown."""
+    """Rank correlation at rest of torque and size of the error, all joints together; None if unknown.
+
+    Joints of equal dry friction all stop at the same error: between errors (quartiles) closer than ``ALIKE`` of their
+    median the ranks are those of noise, and nothing is known.
+    """
     errors, torques = errors_and_torques(runs)
-    if len(errors) < FEWEST or np.ptp(torques) == 0.0 or np.ptp(np.abs(errors)) == 0.0:
+    sizes = np.abs(errors)
+    if len(errors) < FEWEST or np.ptp(torques) == 0.0 or np.ptp(sizes) == 0.0:
         return None
-    return float(spearmanr(np.abs(errors).ravel(), torques.ravel()).statistic)
+    low, middle, high = np.percentile(sizes, [25.0, 50.0, 75.0])
+    if high - low < ALIKE * middle:
+        return None
+    return float(spearmanr(sizes.ravel(), torques.ravel()).statistic)
 
 
 def loop_acts_on_log(runs: "Sequence[ArmRun]") -> bool:

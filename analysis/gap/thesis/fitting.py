@@ -9,6 +9,7 @@ from scipy.optimize import least_squares, lsq_linear
 from ..drive_machine import DriveMachine
 from ..hypothesis import Fit, Hypothesis
 from ..machine import Array
+from ..scaled import ScaledParameters
 from .experiment import METRICS, TESTS, Experiment, Scatter
 from .loops import BenchmarkLoops
 
@@ -24,7 +25,7 @@ FOLDS = tuple(
 )  # each controller, then each motion; every test is left out twice
 
 
-class TableProblem:
+class TableProblem(ScaledParameters):
     """Relative errors of a hypothesis against one table, as functions of its free parameters."""
 
     def __init__(
@@ -35,13 +36,7 @@ class TableProblem:
         scatter: Scatter,
         hypothesis: Hypothesis,
     ) -> None:
-        free = hypothesis.free(machine)
-        self.hypothesis = hypothesis
-        self.keys = tuple((effect, p.name) for effect, p in free)
-        self.parameters = [p for _, p in free]
-        self.scale = np.array([p.scale for p in self.parameters])
-        self.lower = np.array([p.lower for p in self.parameters]) / self.scale
-        self.upper = np.array([p.upper for p in self.parameters]) / self.scale
+        super().__init__(hypothesis, machine)
         self._machine, self._loops = machine, loops
         self._experiment, self._scatter = experiment, scatter
         self._step = max([STEP, *(form.step for form in hypothesis.forms)])
@@ -69,7 +64,7 @@ class TableProblem:
 
     def jacobian(self, x: Array) -> Array:
         """Derivatives (27, p) of the errors by differences that stay inside the bounds."""
-        steps = np.where(x + self._step > self.upper, -self._step, self._step)
+        steps = self.steps(x, self._step)
         points = [x, *(x + step * unit for step, unit in zip(steps, np.eye(x.size)))]
         errors = self.all_errors(points).reshape(len(points), -1)
         return np.asarray(((errors[1:] - errors[0]) / steps[:, None]).T)
@@ -100,11 +95,6 @@ class TableProblem:
         slack = 1e-12
         step = lsq_linear(rows, target, bounds=(self.lower - x - slack, self.upper - x + slack))
         return np.clip(x + step.x, self.lower, self.upper)
-
-    def inside(self, x: Array) -> Array:
-        """``x`` drawn a little into the bounds, where trust-region searches start."""
-        margin = 1e-3 * np.minimum(self.upper - self.lower, 1.0)
-        return np.clip(x, self.lower + margin, self.upper - margin)
 
 
 class TableFitter:

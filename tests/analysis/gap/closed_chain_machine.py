@@ -1,4 +1,4 @@
-"""Logs of a 2-PRR and of a compliant 3-PRS from Drake's multibody trees, held together by their closures.
+"""Logs of a 2-PRR, a RePlaLink and a compliant 3-PRS from Drake's multibody trees, held together by their closures.
 
 Bodies, springs and closures act on the coordinates of the tree; nothing of the machines' own equations is used. One
 evaluation of the tree a sample, at its middle; dry friction of the axes in twenty steps of it. Encoders are quantised.
@@ -11,7 +11,7 @@ import numpy as np
 import yaml
 from pydrake.math import RollPitchYaw, RotationMatrix
 
-from gapscope.models.parallel import chains, three_prs, two_prr
+from gapscope.models.parallel import chains, replalink, three_prs, two_prr
 from gapscope.systems.closed_chain import ClosedChain
 
 DT, SUBSTEPS, WIDTH = 1e-3, 20, 1.0  # [s], -, of the smoothed sign [rad/s]
@@ -24,10 +24,10 @@ class Rig:
     kind: str
     chain: object
     middle: np.ndarray
-    size: float  # of the motion [m]
+    size: float  # of the motion [m or rad]
     rotor: float
     gear: float
-    lead: float
+    lead: float | None  # of a guide [m/rev]; none for a crank
     constant: float
     viscous: float
     coulomb: tuple
@@ -37,7 +37,7 @@ class Rig:
 
     @property
     def per_motor(self):
-        return self.lead / (2.0 * np.pi * self.gear)
+        return 1.0 / self.gear if self.lead is None else self.lead / (2.0 * np.pi * self.gear)
 
 
 def two_prr_rig(payload=0.0, coulomb=(0.035, 0.035)):
@@ -54,6 +54,21 @@ def two_prr_rig(payload=0.0, coulomb=(0.035, 0.035)):
     return Rig(
         "two_prr", chains.two_prr(replace(printed, masses=masses)), np.array([0.2, 0.25]), 0.02,
         rotor, 14.0, 0.07, 0.0302, viscous, coulomb, 2.0 * np.pi / 2000, stated,
+    )  # fmt: skip
+
+
+def replalink_rig(coulomb=(0.0551, 0.0551)):
+    """Gear 10:1, torque constant, rotors and mean friction of section 6.2; its rotors turn with the motors."""
+    linkage = replace(replalink.REPLALINK, rotors=(0.0, 0.0))
+    middle = (2.0944, 1.0472)
+    rotor, viscous = 4.1e-5, 0.0367
+    stated = {
+        "gear_ratio": 10.0, "torque_constant_Nm_per_A": 1.08, "rotor_inertia_kg_m2": rotor,
+        "viscous_Nms_per_rad": viscous, "coulomb_Nm": 0.0551, "sign_width_rad_per_s": WIDTH,
+    }  # fmt: skip
+    return Rig(
+        "replalink", chains.five_bar(linkage, home=middle), np.array(middle), 0.2, rotor, 10.0, None,
+        1.08, viscous, coulomb, 2.0 * np.pi / 2**13, stated,
     )  # fmt: skip
 
 
@@ -130,7 +145,7 @@ def spring_energy(rig, home, now):
 
 
 def run(rig, rate_hz, samples, seed):
-    """Columns t, references, positions (n) [m] and currents (n) [A]."""
+    """Columns t, references, positions (n) [m or rad] and currents (n) [A]."""
     rng = np.random.default_rng(seed)
     plant, per, n = ClosedChain(rig.chain), rig.per_motor, len(rig.middle)
     springs = spring_force(rig, plant)
@@ -189,7 +204,11 @@ def write_log_set(folder, rig, samples=1000, seed=0):
         "system": {"kind": rig.kind, "nominal": rig.stated},
         "controllers": {"pd": {"kind": "not stated"}},
         "sample_time_s": DT,
-        "columns": {"t": "s", **dict.fromkeys(places, "m"), **dict.fromkeys(currents, "A")},
+        "columns": {
+            "t": "s",
+            **dict.fromkeys(places, "rad" if rig.lead is None else "m"),
+            **dict.fromkeys(currents, "A"),
+        },
         "runs": entries,
     }
     (folder / "logset.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
