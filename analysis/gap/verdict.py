@@ -216,11 +216,11 @@ def confirmed(verdict: Verdict, held_out: Shrinkage) -> Verdict:
     """The verdict, or ``unexplained`` where the validation runs contradict it.
 
     Validation runs can only take a claim back, never choose one. A floor that is the encoder's
-    resolution for want of repeated motions is no measure. The residual of impacts, which the least
-    difference in timing makes large, need only fall.
+    resolution for want of repeated motions measures no gap, but what is accepted must remove a share of it there as
+    well. The residual of impacts, which the least difference in timing makes large, need only fall.
     """
     if NO_CYCLES in held_out.floor_source:
-        return verdict
+        return _removes_as_well(verdict, held_out)
     before, after = held_out.retuned / held_out.floor, held_out.after / held_out.floor
     if verdict.accepted is None:
         hidden = verdict.verdict in ("no_gap", "explained") and before > GAP_RATIO
@@ -244,4 +244,23 @@ def confirmed(verdict: Verdict, held_out: Shrinkage) -> Verdict:
         return verdict
     return replace(
         verdict, verdict="unexplained", reason=f"{reason} {verdict.reason}", accepted=None
+    )
+
+
+def _removes_as_well(verdict: Verdict, held_out: Shrinkage) -> Verdict:
+    """``confirmed`` for runs without repeated cycles, whose floor is a lower bound."""
+    gap = held_out.retuned - held_out.floor
+    if verdict.accepted is None or verdict.verdict != "explained" or gap <= 0.0:
+        return verdict
+    removed = (held_out.retuned - held_out.after) / gap
+    rough = verdict.accepted.fit.hypothesis.rough
+    if removed > (0.0 if rough else LEAST_REMOVED_ROUGH):
+        return verdict
+    done = f"removes {100.0 * removed:.0f} %"
+    return replace(
+        verdict,
+        verdict="unexplained",
+        reason=f"On the validation runs {verdict.accepted.fit.hypothesis.label} {done} of the retuned "
+        f"model's unexplained effort above the floor: something else acts as well, or instead. {verdict.reason}",
+        accepted=None,
     )

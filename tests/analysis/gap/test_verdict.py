@@ -64,6 +64,17 @@ def test_a_floor_without_repeats_contradicts_nothing() -> None:
     assert confirmed(NO_GAP, held_out(retuned=9.0, floor_source=source)) is NO_GAP
 
 
+@pytest.mark.parametrize(
+    ("after", "verdict"), [(1.0, "explained"), (7.0, "unexplained"), (20.0, "unexplained")]
+)
+def test_without_repeats_a_claim_must_still_remove_its_share(after: float, verdict: str) -> None:
+    claim = decide([DRY], ranked((), 0.0), 1.0)
+    source = "encoder resolution; the runs hold no repeated cycles"
+    found = confirmed(claim, held_out(retuned=9.0, after=after, floor=0.5, floor_source=source))
+    assert found.verdict == verdict
+    assert (found.accepted is None) == (verdict == "unexplained")
+
+
 def test_twins_share_what_they_win_and_others_do_not() -> None:
     scores = np.array([[0.0, 0.0], [0.5 * TWIN, 2.0 * TWIN], [1.0, 1.0]])
     assert _shared_wins(scores) == pytest.approx([1.5, 0.5, 0.0])
