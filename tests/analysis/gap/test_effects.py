@@ -1,5 +1,6 @@
 """Every form of the catalogue: no effect at zero, a visible one away from it, a place that exists."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,7 +8,8 @@ import numpy as np
 import pytest
 
 from gapscope.analysis.blind_machine import write_case
-from gapscope.analysis.gap.effects import catalogue
+from gapscope.analysis.gap import effects
+from gapscope.analysis.gap.effects import catalogue, scales_of
 from gapscope.analysis.gap.effects.two_inertia import ON_LOAD, split
 from gapscope.analysis.gap.fitting import fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
@@ -142,3 +144,19 @@ def test_one_file_is_one_effect_and_says_its_id():
     }
     built_in = {id_.replace(".", "_") for id_ in catalogue() if not id_.startswith("my.")}
     assert files == built_in
+
+
+def test_the_effect_that_the_readme_shows_says_where_it_acts(case):
+    machine, predictor, _ = case
+    text = (Path(__file__).parents[3] / "analysis" / "gap" / "effects" / "README.md").read_text()
+    (block,) = re.findall(r"```python\n(.*?)```", text, re.S)
+    names = {}
+    try:
+        exec(block, names)
+        (form,) = names["forms"](machine, scales_of(predictor.runs))
+        place = form.where([p.name for p in form.parameters])
+        found = fit(predictor, Hypothesis(forms=(form,)))
+    finally:
+        effects._registered.pop("my.load", None)
+    assert set(place["joints"]) <= set(machine.joints)
+    assert found.converged
