@@ -1,7 +1,7 @@
 """A run of a log with two ghosts beside it: the nominal and the diagnosed model.
 
-Where the log set's law can be run, they are simulated under it; where it cannot, they are where each model expects the
-machine from its last readings. What separates them is far below what an eye sees at the machine's scale, so ghosts stand
+Where the log set's law can be run, they are simulated on the run's reference; where it cannot, they are where each model
+expects the machine from its last readings. What separates them is far below what an eye sees at the machine's scale, so ghosts stand
 off the measured posture by ``magnify`` times their difference from it.
 """
 
@@ -13,6 +13,7 @@ import numpy as np
 from ..errors import InputError
 from ..gap.diagnosis import Diagnosis
 from ..gap.machine import RunData
+from ..gap.machines.serial_arm import ArmRun
 from ..gap.step_machine import MoveRun
 from .logged import pictured
 from .skeletons import Floats, Skeleton
@@ -34,7 +35,7 @@ class Replay:
     measured: Floats
     ghosts: dict[str, Floats]  # already magnified; those that diverge are left out
     magnify: float
-    simulated: bool  # under the log set's law; else predicted from the last readings
+    simulated: bool  # from the run's reference; else predicted from the last readings
     moves: bool = False  # whether a sample is a move
 
 
@@ -119,7 +120,7 @@ def _how(found: Replay) -> str:
     if found.moves:
         return f"Every {MOVE:g} s shows the end of a move, and where each model puts it."
     if found.simulated:
-        return "The models are simulated on the run's reference under the stated law."
+        return "The models are simulated on the run's reference."
     return "Each model says from the last readings where the machine will be."
 
 
@@ -152,7 +153,8 @@ def _paths(diagnosis: Diagnosis, run: RunData) -> tuple[Floats, Floats, dict[str
     if isinstance(run, MoveRun):
         position, errors = _moves(diagnosis, run, errors)
         time = MOVE * np.arange(len(position))
-    return time, position, _finite({n: position - error for n, error in errors.items()}), False
+    found = {name: position - error for name, error in errors.items()}
+    return time, position, _finite(found), isinstance(run, ArmRun)
 
 
 def _moves(

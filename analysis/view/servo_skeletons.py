@@ -32,7 +32,8 @@ def pendulum(length: float = 0.1) -> Skeleton:
         rods={"servo": 0.16 * length, "shaft": 0.04 * length, "rod": 0.05 * length},
         balls={"load": 0.14 * length},
         place=place,
-        camera=(1.2 * length, -2.6 * length, 0.8 * length),
+        camera=(0.9 * length, -1.9 * length, 0.2 * length),
+        centre=(0.0, 0.0, -0.4 * length),
     )
 
 
@@ -78,6 +79,6 @@ def so101() -> Skeleton:
               "finger": 0.005, "jaw": 0.005},
         balls={"shoulder": 0.019, "elbow": 0.017, "wrist joint": 0.014},
         place=place,
-        camera=(0.45, -0.5, 0.35),
+        camera=(0.36, -0.38, 0.3),
         centre=(0.12, 0.0, 0.15),
     )  # fmt: skip

@@ -12,7 +12,7 @@ THICK, TAPER = (
     0.88,
 )  # radius of the first rods over the machine's size, and from body to body
 SHORT = 1e-3  # of the size: rods that are shorter are not drawn
-REVERSED = np.array([1.0, -1.0, 0.6])  # from where one looks, in sizes
+EYE = np.array([0.8, -0.8, 0.45])  # from where one looks, in sizes off the centre
 
 
 def tree_skeleton(name: str, arm: Arm, low: Floats, high: Floats, start: Floats) -> Skeleton:
@@ -47,7 +47,7 @@ def tree_skeleton(name: str, arm: Arm, low: Floats, high: Floats, start: Floats)
         rods={part: THICK * size * TAPER ** depth[part] for part in rods},
         balls={part: 1.4 * THICK * size * TAPER ** depth[part] for part in balls},
         place=place,
-        camera=tuple(float(x) for x in centre + 1.1 * size * REVERSED),  # type: ignore[arg-type]
+        camera=tuple(float(x) for x in centre + size * EYE),  # type: ignore[arg-type]
         centre=tuple(float(x) for x in centre),  # type: ignore[arg-type]
     )  # fmt: skip
 
