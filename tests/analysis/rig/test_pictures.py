@@ -15,14 +15,13 @@ CHAINS = ("5r", "replalink", "2prr", "mast", "3prs")
 
 
 class Sound:
-    """A hypothesis that changes nothing, with one own parameter off by a share."""
+    """A hypothesis that changes nothing, with the own parameters off by a share."""
 
     def __init__(self, share):
         self.share = share
 
     def plant(self, machine, values, start):
-        first = next(iter(values), None)
-        off = {name: value * (1.0 + self.share * (name == first)) for name, value in values.items()}
+        off = {name: value * (1.0 + self.share) for name, value in values.items()}
         return machine.build(off).finished()
 
 
@@ -71,7 +70,9 @@ def test_a_log_of_any_machine_with_a_shape_is_replayed(bench, name):
         for rod in machine.rods:
             length = np.linalg.norm(placed[rod][1] - placed[rod][0])
             assert length == pytest.approx(np.linalg.norm(first[rod][1] - first[rod][0]), abs=1e-9)
-    off = {g: np.sqrt(np.mean((path - found.measured) ** 2)) for g, path in found.ghosts.items()}
+    half = len(found.measured) // 2  # beyond where the start is still felt
+    away = {ghost: (path - found.measured)[half:] for ghost, path in found.ghosts.items()}
+    off = {ghost: np.sqrt(np.mean(difference**2)) for ghost, difference in away.items()}
     assert off["nominal"] < off["diagnosed"]  # the log is the nominal model's own
     assert off["diagnosed"] < 0.1 * np.ptp(found.measured, axis=0).max()
 
