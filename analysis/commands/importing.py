@@ -108,7 +108,7 @@ def _model(
     from ..errors import InputError
 
     if model is not None:
-        from ..gap.logset import FILE, read_description
+        from ..gap.description import FILE, read_description
 
         path = model / FILE if model.is_dir() else model
         described = read_description(path)

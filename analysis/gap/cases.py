@@ -12,7 +12,7 @@ from typing import Any
 from ..errors import InputError
 from ..files import output_folder, write_whole
 from ..resumable import resumable_map
-from .logset import FILE
+from .description import FILE
 
 REJECTED = 4  # hypotheses of the ranking that are listed beside the accepted one
 PLACES = 2  # largest shares of the gap that are listed of each kind

@@ -7,8 +7,7 @@ key, column or row, and says what to do. The key ``answer`` of labelled sets is 
 """
 
 import hashlib
-import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,34 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.yaml_mapping import read_yaml_mapping
 from ..errors import InputError
+from .checks import as_float
+from .description import FILE, Description, Entry, described, known_keys, read_yaml
 from .sampling import Piece, read_pieces
 
-FILE = "logset.yaml"
-TOP_KEYS = frozenset(
-    [
-        "format",
-        "name",
-        "source",
-        "license",
-        "note",
-        "system",
-        "controller",
-        "controllers",
-        "sample_time_s",
-        "columns",
-        "resample",
-        "remarks",
-        "runs",
-        "published",
-        "answer",
-    ]
-)
-MODEL_FILE = "model_file"  # kind of a machine described by an URDF or SDF file
-MOVE_KINDS = frozenset(["mm3a"])  # machines whose samples are moves, one after the other
-
-LONGEST_STEP = 1e6  # [s]; no clock of a log ticks slower
 Read = Callable[[str, list[str], float | None, bool], list[Piece]]  # file, columns, dt, resample
 
 
@@ -57,6 +33,7 @@ class Run:
     columns: Mapping[str, NDArray[np.float64]]
     settings: Mapping[str, Any] = field(default_factory=dict)  # motion, rate_Hz, ...
     file: Path | None = None  # that holds it, None for tables in memory
+    whole: bool = True  # not a stretch of a longer run
 
     @property
     def samples(self) -> int:
@@ -66,6 +43,15 @@ class Run:
     def stack(self, *names: str) -> NDArray[np.float64]:
         """Columns side by side, (samples, len(names)), contiguous."""
         return np.column_stack([self.columns[name] for name in names])
+
+    @property
+    def changes(self) -> bool:
+        """Whether anything but the time changes: two rests may well be logged alike."""
+        return any(np.ptp(column) > 0.0 for name, column in self.columns.items() if name != "t")
+
+    def sha256(self) -> str:
+        """Hash of the numbers."""
+        return hashlib.sha256(self.stack(*self.columns).tobytes()).hexdigest()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,18 +110,7 @@ def load_logset(folder: str | Path) -> LogSet:
             f"a folder with a file {FILE}",
             "See `gapscope diagnose --help`.",
         )
-    return _logset(_read_yaml(description), description, _from_disk(description))
-
-
-def read_description(path: Path) -> dict[str, Any]:
-    """``logset.yaml`` with its keys ``system``, ``controller(s)`` and ``columns`` checked."""
-    if not path.is_file():
-        raise InputError(path, "file not found", f"a {FILE}")
-    document = _read_yaml(path)
-    _mapping(document, "system", path)
-    _controllers(document, path)
-    _units(document, path)
-    return {**document, "columns": {str(n): str(text) for n, text in document["columns"].items()}}
+    return _logset(described(read_yaml(description), description), _from_disk(description))
 
 
 def logset_from_frames(
@@ -147,7 +122,7 @@ def logset_from_frames(
     InputError as ``load_logset`` does.
     """
     where = Path("description")
-    return _logset(_checked(dict(description), where), where, _from_memory(frames))
+    return _logset(described(known_keys(dict(description), where), where), _from_memory(frames))
 
 
 def _from_disk(description: Path) -> Read:
@@ -166,57 +141,44 @@ def _from_memory(frames: Mapping[str, Mapping[str, Any]]) -> Read:
     return read
 
 
-def _logset(document: dict[str, Any], description: Path, read: Read) -> LogSet:
-    system = _mapping(document, "system", description)
-    kind = MODEL_FILE if "model" in system else system.get("kind")
-    if not isinstance(kind, str):
-        raise InputError(
-            description, f"system.kind is {kind!r}", "the name of a machine, or system.model"
-        )
-    moves = kind in MOVE_KINDS
-    dt = 0.0 if moves else _sample_time(document, description)
-    if moves and not {"controller", "controllers"} & document.keys():
-        document["controller"] = {"kind": "open_loop"}
-    document["columns"] = _columns(document, system, description)
-    units = _units(document, description)
-    controllers = _controllers(document, description)
-    entries = document.get("runs")
-    if not isinstance(entries, list) or not entries:
-        raise InputError(description, "runs is missing or empty", "a list of runs")
-    notes = _remarks(document, description)
-    resample = _resample(document, description)
-    if resample and moves:
-        raise InputError(description, "resample is stated for moves", "no such key")
-    if resample and dt is None:
-        raise InputError(
-            description,
-            "`resample` and a sample_time_s that is no number",
-            "seconds to resample to",
-        )
+def _logset(given: Description, read: Read) -> LogSet:
+    notes = list(given.notes)
 
     def runs_of() -> Iterator[Run]:
-        for i, entry in enumerate(entries):
-            file, settings = _entry(i, entry, description, controllers)
-            for piece in read(file, list(units), dt, resample):
+        for entry in given.entries:
+            for piece in read(entry.file, list(given.units), given.dt, given.resample):
                 notes.extend(piece.notes)
-                yield _run(piece, settings)
+                yield _run(piece, entry)
 
     runs = tuple(runs_of())
-    if not any(run.use == "fit" for run in runs):
-        raise InputError(description, "no run has use: fit", "at least one run to fit to")
+    _refuse_copies(given.path, runs)
     return LogSet(
-        name=str(document.get("name", description.parent.name)),
-        folder=description.parent,
-        kind=kind,
-        system=system,
-        controllers=controllers,
-        dt=dt or float(np.median(np.concatenate([np.diff(r.columns["t"]) for r in runs]))),
-        uneven=dt is None,
-        units=units,
-        remarks={str(name): str(text) for name, text in document["columns"].items()},
+        name=given.name,
+        folder=given.path.parent,
+        kind=given.kind,
+        system=given.system,
+        controllers=given.controllers,
+        dt=given.dt or float(np.median(np.concatenate([np.diff(r.columns["t"]) for r in runs]))),
+        uneven=given.dt is None,
+        units=given.units,
+        remarks=given.texts,
         runs=runs,
         notes=tuple(notes),
     )
+
+
+def _refuse_copies(path: Path, runs: Sequence[Run]) -> None:
+    """Refuse a table that is fitted to and held out: what it shows of a model is no test."""
+    fitted = {run.sha256(): run.name for run in runs if run.use == "fit"}
+    for run in runs:
+        if run.use == "validate" and run.changes and run.sha256() in fitted:
+            raise InputError(
+                f"{path}, runs[{run.name}]",
+                f"its numbers are those of {fitted[run.sha256()]}, which is fitted to",
+                "a validation run of its own",
+                "Record another run. Where no run is marked validate, the end of every run or "
+                "some whole runs are held back.",
+            )
 
 
 def _files(path: Path | None) -> list[Path]:
@@ -226,141 +188,17 @@ def _files(path: Path | None) -> list[Path]:
     return sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
 
 
-def _remarks(document: Mapping[str, Any], path: Path) -> list[str]:
-    remarks = document.get("remarks", [])
-    if not isinstance(remarks, list):
-        raise InputError(path, f"remarks is {str(remarks)[:60]!r}", "a list of texts")
-    return [str(remark) for remark in remarks]
-
-
-def _sample_time(document: Mapping[str, Any], path: Path) -> float | None:
-    """Sample time [s], or None where the log set refers to its column t instead."""
-    dt = document.get("sample_time_s")
-    if isinstance(dt, str) and "t column" in dt:
-        return None
-    if isinstance(dt, bool) or not isinstance(dt, int | float) or not 0.0 < dt < LONGEST_STEP:
-        raise InputError(
-            path,
-            f"sample_time_s is {dt!r}",
-            "a positive number of seconds, or a text with 'use the t column' for an uneven clock",
-        )
-    return float(dt)
-
-
-def _resample(document: Mapping[str, Any], path: Path) -> bool:
-    wanted = document.get("resample")
-    if wanted not in (None, "linear"):
-        raise InputError(path, f"resample is {wanted!r}", "`resample: linear`, or no such key")
-    return wanted is not None
-
-
-def _read_yaml(path: Path) -> dict[str, Any]:
-    try:
-        document = read_yaml_mapping(path)
-    except ValueError as error:
-        where, _, found = str(error).rpartition(": ")
-        found, _, expected = found.partition("; expected ")
-        raise InputError(where or path, found, expected or "a mapping of keys to values") from None
-    return _checked(document, path)
-
-
-def _checked(document: Any, path: Path) -> dict[str, Any]:
-    if not isinstance(document, dict):
-        raise InputError(path, "no keys", "a mapping of keys to values")
-    document.pop("answer", None)
-    unknown = sorted(str(key) for key in document if key not in TOP_KEYS)
-    if unknown:
-        raise InputError(
-            path, f"unknown key {unknown[0]!r}", f"one of {', '.join(sorted(TOP_KEYS))}"
-        )
-    if document.get("format") != 1:
-        raise InputError(path, f"format is {document.get('format')!r}", "format: 1")
-    return document
-
-
-def _mapping(document: Mapping[str, Any], key: str, path: Path) -> dict[str, Any]:
-    value = document.get(key)
-    if not isinstance(value, dict):
-        raise InputError(path, f"{key} is missing or not a mapping", f"{key}: with keys of its own")
-    return value
-
-
-def _columns(document: Mapping[str, Any], system: Mapping[str, Any], path: Path) -> dict[str, Any]:
-    """The columns as stated, those named with ``JOINT`` once for every one of ``system.joints``."""
-    columns = _mapping(document, "columns", path)
-    joints = system.get("joints")
-    if not any("JOINT" in str(name) for name in columns):
-        return columns
-    if not isinstance(joints, list) or not all(isinstance(name, str) for name in joints):
-        raise InputError(
-            path, f"system.joints is {joints!r}", "a list of names that JOINT in columns stands for"
-        )
-    return {
-        str(name).replace("JOINT", joint): text
-        for name, text in columns.items()
-        for joint in (joints if "JOINT" in str(name) else [""])
-    }
-
-
-def _units(document: Mapping[str, Any], path: Path) -> dict[str, str]:
-    columns = _mapping(document, "columns", path)
-    if "t" not in columns:
-        raise InputError(path, "columns has no t", "a time column `t: s`")
-    units = {str(name): bare_unit(str(text)) for name, text in columns.items()}
-    if units["t"] != "s":
-        raise InputError(
-            path, f"columns.t has the unit {units['t']!r}", "seconds, `t: s`", "Convert the times."
-        )
-    return units
-
-
-def bare_unit(text: str) -> str:
-    """The unit of a column's text: ``rad, 13-bit encoder`` and ``N = 35.15*u`` carry a remark, too."""
-    return re.split("[,=]", text)[0].strip()
-
-
-def _controllers(document: Mapping[str, Any], path: Path) -> dict[str, dict[str, Any]]:
-    if "controllers" in document:
-        controllers = _mapping(document, "controllers", path)
-        for name, value in controllers.items():
-            if not isinstance(value, dict):
-                raise InputError(path, f"controllers.{name} is {value!r}", "a mapping of settings")
-        return {str(name): value for name, value in controllers.items()}
-    return {"controller": _mapping(document, "controller", path)}
-
-
-def _entry(
-    i: int, entry: Any, path: Path, controllers: Mapping[str, Any]
-) -> tuple[str, dict[str, Any]]:
-    """File and settings of an entry of ``runs``, with use and controller filled in."""
-    where = f"{path}, runs[{i}]"
-    if not isinstance(entry, dict) or not isinstance(entry.get("file"), str):
-        raise InputError(where, "no file", "`file: NAME.csv`")
-    use = entry.get("use")
-    if use not in ("fit", "validate"):
-        raise InputError(where, f"use is {use!r}", "fit or validate")
-    controller = str(entry.get("controller", next(iter(controllers))))
-    if controller not in controllers:
-        raise InputError(
-            where, f"controller is {controller!r}", f"one of {', '.join(sorted(controllers))}"
-        )
-    table = (path.parent / entry["file"]).resolve()
-    if not table.is_relative_to(path.parent.resolve()):
-        raise InputError(where, f"file {entry['file']!r} is outside the log set", "a file in it")
-    return entry["file"], {**entry, "use": use, "controller": controller}
-
-
-def _run(piece: Piece, entry: Mapping[str, Any]) -> Run:
-    settings = {k: v for k, v in entry.items() if k not in ("file", "use", "controller")}
-    if piece.begins:
-        start = settings.get("start_s", 0.0)
-        if isinstance(start, int | float):  # another value is refused by the machine's reader
-            settings["start_s"] = start + piece.begins
+def _run(piece: Piece, entry: Entry) -> Run:
+    settings = dict(entry.settings)
+    start = as_float(settings.get("start_s", 0.0))
+    if piece.begins and np.isfinite(start):  # another value is refused by the machine's reader
+        settings["start_s"] = start + piece.begins
     return Run(
-        name=f"{entry['file']}{piece.label}",
-        use=entry["use"],
-        controller=entry["controller"],
+        name=f"{entry.file}{piece.label}",
+        use=entry.use,
+        controller=entry.controller,
         columns=piece.columns,
         settings=settings,
         file=piece.file,
+        whole=not piece.label,
     )

@@ -52,7 +52,7 @@ class Slider(DriveMachine):
         new_nominal = {**self._nominal, **nominal}
         values = Settings("configure, nominal", new_nominal, set(NOMINAL))
         values.number("mass_kg", positive=True)
-        values.number("viscous_N_s_per_m")
+        values.number("viscous_N_s_per_m", least=0.0)
         self.law = read_controller("configure, controller", new_controller)
         self._controller, self._nominal = new_controller, new_nominal
 

@@ -23,7 +23,7 @@ DESCRIPTION = {
     },
     "sample_time_s": 0.001,
     "columns": {"t": "s", "q_ref": "m", "q": "m", "force": "N"},
-    "runs": [{"file": "run.csv", "use": "fit"}, {"file": "run.csv", "use": "validate"}],
+    "runs": [{"file": "run.csv", "use": "fit"}, {"file": "other.csv", "use": "validate"}],
 }  # fmt: skip
 FILES = ("log.csv", "log.csv.gz", "log.parquet", "log.h5", "log.mat", "log73.mat", "log.mcap",
          "log.bag", "bag/bag.db3", "bag/metadata.yaml")  # fmt: skip
@@ -66,6 +66,10 @@ def write_seeds(folder: Path) -> None:
     _write_recordings(folder)
     (folder / "logset.yaml").write_text(yaml.safe_dump(DESCRIPTION, sort_keys=False))
     (folder / "run.csv").write_bytes((folder / "log.csv").read_bytes())
+    table[:, 2] *= 1.01  # another recording of the motion
+    np.savetxt(
+        folder / "other.csv", table, delimiter=",", header=",".join(LOG), comments="", fmt="%.9g"
+    )
     _write_configs(folder)
 
 
@@ -171,7 +175,8 @@ def read(target: str, data: bytes, seeds: Path, scratch: Path) -> None:
         from gapscope.analysis.gap.machines import read_machine
 
         other = "run.csv" if target == "logset.yaml" else "logset.yaml"
-        shutil.copy(seeds / other, scratch / other)
+        for name in (other, "other.csv"):
+            shutil.copy(seeds / name, scratch / name)
         read_machine(load_logset(scratch))
     elif target in FILES:
         read_tables(path.parent if target.startswith("bag/") else path)

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
+from ..description import FILE
 from ..diagnosis import Diagnosis
 from ..drive_machine import DriveMachine
-from ..logset import FILE
 from ..machine import Array, Machine
 
 # Extremes of the C-drive's benchmark: Table 5-2 (travel; half a turn either way), translation at

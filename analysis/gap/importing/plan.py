@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
-from ..logset import bare_unit
+from ..description import bare_unit
 from ..sampling import JITTER_LIMIT, jitter
 from ..tables import Array, Signals, read
 from .guess import SURE, Guess, Source, assign, guess_columns, time_of

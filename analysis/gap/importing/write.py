@@ -11,7 +11,7 @@ import yaml
 
 from ...errors import InputError
 from ...files import write_folder
-from ..logset import FILE
+from ..description import FILE
 from ..sampling import SHORTEST_RUN
 from ..tables import Array, Signals, read
 from ..tables.base import optional

@@ -1,12 +1,11 @@
 """Nominal models by ``system.kind``: one module per machine, each with ``read(logset)``."""
 
-import re
 import sys
 from collections.abc import Callable, Mapping
 
-from ....models.encoder import resolution
 from ...errors import InputError
-from ..logset import FILE, MODEL_FILE, LogSet
+from ..description import FILE, MODEL_FILE
+from ..logset import LogSet
 from ..machine import Machine, RunData
 from . import (
     c_drive,
@@ -20,6 +19,10 @@ from . import (
     serial_arm,
     slider,
 )
+from .encoders import stated_encoder_step
+from .moving import refuse_still
+
+__all__ = ["KINDS", "UNEVEN", "columns_of", "read_machine", "stated_encoder_step"]
 
 KINDS: dict[str, Callable[[LogSet], tuple[Machine, list[RunData]]]] = {
     "c_drive": c_drive.read,
@@ -34,19 +37,6 @@ KINDS: dict[str, Callable[[LogSet], tuple[Machine, list[RunData]]]] = {
     **{kind: parallel.reader(kind) for kind in parallel.KINDS},
 }
 UNEVEN = frozenset({"pendulum"})  # kinds whose samples may come at uneven times
-
-
-def stated_encoder_step(logset: LogSet) -> float | None:
-    """Encoder step that the log set states [position unit]: in bits per turn, or as a length."""
-    for text in logset.remarks.values():
-        bits = re.search(r"(\d+)[- ]bit encoder", text)
-        if bits:
-            return resolution(int(bits.group(1)))
-    for settings in logset.controllers.values():
-        step = settings.get("encoder_lsb_m")
-        if isinstance(step, int | float):
-            return float(step)
-    return None
 
 
 def columns_of(kind: str) -> Mapping[str, str] | None:
@@ -75,4 +65,7 @@ def read_machine(logset: LogSet) -> tuple[Machine, list[RunData]]:
             f"sample_time_s in seconds; uneven samples are read for {', '.join(sorted(UNEVEN))}",
             "State sample_time_s in seconds and `resample: linear` in logset.yaml.",
         )
-    return KINDS[logset.kind](logset)
+    stated_encoder_step(logset)
+    machine, runs = KINDS[logset.kind](logset)
+    refuse_still(logset, machine, runs)
+    return machine, runs

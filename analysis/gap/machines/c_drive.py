@@ -12,11 +12,13 @@ from ....models.drive import VISCOUS
 from ....models.drive_kernels import LoopController
 from ....models.motion import C_DRIVE_MOTIONS, c_drive_motion
 from ...errors import InputError
+from ..checks import shown
+from ..description import FILE
 from ..drive_machine import DriveMachine, DrivePlant, PayloadAxis
-from ..logset import FILE, LogSet, Run
+from ..logset import LogSet, Run
 from ..machine import RunData, encoder_step, own_parameter
 from .reference import derivatives
-from .settings import Settings, nominal_settings, require_units, tolerance
+from .settings import Settings, nominal_settings, require_units, run_settings, tolerance
 
 COLUMNS = {
     "psi_L_ref": "rad", "psi_R_ref": "rad", "psi_L": "rad", "psi_R": "rad",
@@ -36,6 +38,8 @@ NOMINAL = {
     "delta_N_m": "delta",
     "eta_N_m": "eta",
 }
+POSITIVE = ("lead", "m11")
+LEAST = dict.fromkeys(("beta", "gamma", "delta", "eta"), 0.0)  # of friction
 
 
 def read(logset: LogSet) -> tuple[DriveMachine, list[RunData]]:
@@ -115,7 +119,12 @@ def read_parameters(where: str, nominal: Settings) -> CDriveParameters:
     default = CDriveParameters()
     try:
         return CDriveParameters(
-            **{name: nominal.number(key, getattr(default, name)) for key, name in NOMINAL.items()}
+            **{
+                name: nominal.number(
+                    key, getattr(default, name), positive=name in POSITIVE, least=LEAST.get(name)
+                )
+                for key, name in NOMINAL.items()
+            }
         )
     except ValueError as error:
         if isinstance(error, InputError):
@@ -141,34 +150,34 @@ def read_controller(
 ) -> LoopController:
     """Controller from its block of a log set, ``dt`` [s] its period; InputError for a bad key."""
     kind = values.get("kind")
-    if kind not in KEYS:
-        raise InputError(f"{where}.kind", f"{kind!r}", f"one of {', '.join(sorted(KEYS))}")
+    if not isinstance(kind, str) or kind not in KEYS:
+        raise InputError(f"{where}.kind", shown(kind), f"one of {', '.join(sorted(KEYS))}")
     s = Settings(where, values, KEYS[kind] | {"kind", FILTER})
     cutoff = s.number(FILTER, positive=True)
     settings: PD | TaskSpacePD | ComputedTorque
     if kind == "pd":
         settings = PD(
-            kp=s.number("kp_Nm_per_rad"),
-            kd=s.number("kd_Nms_per_rad"),
-            ki=s.number("ki_Nm_per_rad_s", 0.0),
+            kp=s.number("kp_Nm_per_rad", least=0.0),
+            kd=s.number("kd_Nms_per_rad", least=0.0),
+            ki=s.number("ki_Nm_per_rad_s", 0.0, least=0.0),
             cutoff=cutoff,
         )
     elif kind == "task_space_pd":
         settings = TaskSpacePD(
-            kp_translation=s.number("kp_trans_Nm_per_rad"),
-            kp_rotation=s.number("kp_rot_Nm_per_rad"),
-            kd_translation=s.number("kd_trans_Nms_per_rad"),
-            kd_rotation=s.number("kd_rot_Nms_per_rad"),
+            kp_translation=s.number("kp_trans_Nm_per_rad", least=0.0),
+            kp_rotation=s.number("kp_rot_Nm_per_rad", least=0.0),
+            kd_translation=s.number("kd_trans_Nms_per_rad", least=0.0),
+            kd_rotation=s.number("kd_rot_Nms_per_rad", least=0.0),
             cutoff=cutoff,
         )
     else:
         pole = s.number("observer_pole_rad_per_s")
-        kp, kd = s.number("kp_per_s2"), s.number("kd_per_s")
+        kp, kd = s.number("kp_per_s2", least=0.0), s.number("kd_per_s", least=0.0)
         settings = ComputedTorque(
             kp=kp,
             kd=kd,
-            kp_rotation=s.number("kp_rot_per_s2", kp),
-            kd_rotation=s.number("kd_rot_per_s", kd),
+            kp_rotation=s.number("kp_rot_per_s2", kp, least=0.0),
+            kd_rotation=s.number("kd_rot_per_s", kd, least=0.0),
             cutoff=cutoff,
             poles=(pole, pole),
             friction_compensation=s.number("friction_compensation"),
@@ -180,23 +189,22 @@ def read_controller(
 
 
 def _run_data(run: Run, dt: float, controller: LoopController, logset: LogSet) -> RunData:
-    where = f"{logset.folder / FILE}, run {run.name}"
-    known = {"motion", "rate_Hz", "period_s", "start_s", "note"}
-    settings = Settings(where, run.settings, known)
+    settings = run_settings(logset, run)
     t = run.columns["t"]
     reference = run.stack("psi_L_ref", "psi_R_ref")
-    period = None
-    if "period_s" in run.settings:  # of a motion that is not one of Table 5-2
-        period = round(settings.number("period_s", positive=True) / dt)
     rate, acceleration = derivatives(reference, dt)
     if "motion" in run.settings:
         motion = str(run.settings["motion"])
         if motion not in C_DRIVE_MOTIONS:
             raise InputError(
-                f"{where}, motion", f"{motion!r}", f"one of {', '.join(sorted(C_DRIVE_MOTIONS))}"
+                f"{settings.where}.motion",
+                shown(motion),
+                f"one of {', '.join(sorted(C_DRIVE_MOTIONS))}",
             )
-        rate_hz = settings.number("rate_Hz", positive=True)
-        period = round(1.0 / (rate_hz * dt))
+        if "rate_Hz" in run.settings or settings.seconds is None:
+            rate_hz = settings.number("rate_Hz", positive=True)
+        else:
+            rate_hz = 1.0 / settings.seconds
         exact, exact_rate, exact_acceleration = c_drive_motion(motion, rate_hz).sample(t - t[0])
         # A log may use another program under the same name; then the logged reference is what counts.
         if np.max(np.abs(exact - reference)) < REFERENCE_ROUNDING:
@@ -214,7 +222,7 @@ def _run_data(run: Run, dt: float, controller: LoopController, logset: LogSet) -
         position=position,
         command=run.stack("tau_L", "tau_R"),
         controller=controller,
-        period=period,
+        period=settings.period(dt),
         lsb=encoder_step(position),
-        start=settings.number("start_s", 0.0),
+        start=settings.start,
     )

@@ -17,14 +17,16 @@ from ....models.furuta import FurutaParameters
 from ....models.furuta_kernels import Balancer
 from ....models.joint import VISCOUS, WIDTH, ideal_joints
 from ...errors import InputError
+from ..checks import shown
 from ..clock import ReplayCheck
+from ..description import FILE
 from ..effects.base import Form, Values, everywhere, parameter
-from ..logset import FILE, LogSet, Run
+from ..logset import LogSet, Run
 from ..machine import Array, RunData, encoder_step, own_parameter, rms
 from ..rigid_effects import SIGN_WIDTH, joint_forms
 from ..rigid_machine import RigidMachine, RigidPlant, RigidRun, bandwidth_for, prepared
 from .reference import derivatives
-from .settings import nominal_settings, require_units, tolerance
+from .settings import RunSettings, nominal_settings, require_units, run_settings, tolerance
 
 JOINTS = ("arm", "pendulum")
 MOST_BANDWIDTH = 100.0  # rad/s
@@ -38,10 +40,8 @@ LAW = re.compile(
 
 def read(logset: LogSet) -> tuple[RigidMachine, list[RunData]]:
     """Machine and runs of a rotary pendulum."""
-    require_units(
-        logset,
-        {"theta_ref": "rad", "alpha_ref": "rad", "theta": "rad", "alpha": "rad", "u": "V"},
-    )
+    units = {"theta_ref": "rad", "alpha_ref": "rad", "theta": "rad", "alpha": "rad", "u": "V"}
+    require_units(logset, units | ({"u_ff": "V"} if "u_ff" in logset.units else {}))
     names = {f.name for f in fields(FurutaParameters)}
     settings = nominal_settings(logset, names)
     stated = logset.system.get("nominal", {})
@@ -51,8 +51,15 @@ def read(logset: LogSet) -> tuple[RigidMachine, list[RunData]]:
         raise InputError(
             f"{logset.folder / FILE}, system.nominal", str(error), "positive constants"
         ) from None
-    law = _law(logset)
-    runs = [_run_data(run, logset.dt, law) for run in logset.runs]
+    laws = {
+        name: None if settings.get("law") is None
+        else read_law(f"{logset.folder / FILE}, controllers.{name}.law", settings["law"])
+        for name, settings in logset.controllers.items()
+    }  # fmt: skip
+    runs = [
+        _run_data(run, run_settings(logset, run), logset.dt, laws[run.controller])
+        for run in logset.runs
+    ]
     steps = np.full(2, max(run.lsb for run in runs))
     bandwidth = bandwidth_for([r.position for r in runs], logset.dt, steps, MOST_BANDWIDTH)
     made = [_released(prepared(run, furuta.equation_columns, bandwidth)) for run in runs]
@@ -159,19 +166,12 @@ def _pendulum_length(nominal: FurutaParameters, P: float) -> Form:
     )
 
 
-def _law(logset: LogSet) -> Balancer | None:
-    """The stated control law; None where the log set states none, InputError if it is unreadable."""
-    settings = next(iter(logset.controllers.values()))
-    text = settings.get("law")
-    return None if text is None else read_law(f"{logset.folder / FILE}, controller.law", text)
-
-
 def read_law(where: str, text: object) -> Balancer:
     """The law that a text states; InputError if it is unreadable."""
     found = LAW.search(re.sub(r"\s+", "", str(text)))
     if found is None:
         raise InputError(
-            where, f"{text!r}",
+            where, shown(text),
             "u_fb=-(KP*e_t+KD*D(e_t))-(KP*e_a+KD*D(e_a)), D=N s/(s+N), u=clip(u_fb+u_ff,-L,L)",
         )  # fmt: skip
     g = {name: float(value) for name, value in found.groupdict().items()}
@@ -180,7 +180,7 @@ def read_law(where: str, text: object) -> Balancer:
     )
 
 
-def _run_data(run: Run, dt: float, law: Balancer | None) -> RunData:
+def _run_data(run: Run, settings: RunSettings, dt: float, law: Balancer | None) -> RunData:
     reference = run.stack("theta_ref", "alpha_ref")
     rate, acceleration = derivatives(reference, dt)
     position = run.stack("theta", "alpha")
@@ -197,8 +197,9 @@ def _run_data(run: Run, dt: float, law: Balancer | None) -> RunData:
         position=position,
         command=run.stack("u"),
         controller=None if law is None else (law, feedforward),
-        period=None,
+        period=settings.period(dt),
         lsb=encoder_step(position),
+        start=settings.start,
     )
 
 

@@ -32,7 +32,9 @@ import numpy as np
 from ....models.mm3a import step_size
 from ....models.mm3a.arm import Arm, gravity_in_base
 from ...errors import InputError
-from ..logset import FILE, LogSet, Run
+from ..checks import shown
+from ..description import FILE
+from ..logset import LogSet, Run
 from ..machine import Array, RunData, own_parameter, rms
 from ..slip_terms import burden
 from ..step_machine import (
@@ -45,10 +47,10 @@ from ..step_machine import (
     repeats,
     with_expectation,
 )
-from .settings import Settings, nominal_settings, require_units, tolerance
+from .settings import Settings, nominal_settings, require_units, run_settings, tolerance
 
 SIDES = ("negative", "positive")
-RUN_KEYS = {"joint", "theta_rad", "psi_rad", "session", "force_N", "run_in_steps", "note"}
+RUN_KEYS = ("joint", "theta_rad", "psi_rad", "session", "force_N", "run_in_steps")
 COLUMNS = {"steps": "1", "q1": "rad", "q2": "rad", "q3": "m", "moved": "rad or m"}
 KEYS = {
     PRISMATIC: {"basic": 0, "recoil": 1, "load": 2, "curve": 4},
@@ -182,8 +184,8 @@ def _arm(where: str, stated: Any) -> Arm:
 
 def _run(logset: LogSet, run: Run, machine: StepMachine) -> MoveRun:
     joint = _joint(logset, run)
-    where = f"{logset.folder / FILE}, run {run.name}"
-    settings = Settings(where, run.settings, RUN_KEYS)
+    settings = run_settings(logset, run, *RUN_KEYS)
+    settings.text("session", "1")
     steps = run.columns["steps"]
     _check_steps(logset, run)
     sign = np.sign(steps)
@@ -193,11 +195,11 @@ def _run(logset: LogSet, run: Run, machine: StepMachine) -> MoveRun:
     gravity = np.array(
         gravity_in_base(settings.number("theta_rad", 0.0), settings.number("psi_rad", 0.0))
     )
-    force = _force(where, run.settings.get("force_N", [0.0, 0.0, 0.0]))
+    force = settings.numbers("force_N", 3, (0.0, 0.0, 0.0))
     posture = (along[:, 0], along[:, 1], along[:, 2])
     load = step_size.load_factors(posture, gravity, force, machine.arm)[joint]
     heavier = step_size.load_factors(posture, gravity, force + gravity, machine.arm)[joint]
-    run_in = settings.number("run_in_steps", 0.0)
+    run_in = settings.number("run_in_steps", 0.0, least=0.0)
     reverses = np.concatenate([[False], sign[1:] != sign[:-1]]) & (run_in == 0.0)
     ones = np.ones((len(steps), 1))
     return MoveRun(
@@ -211,6 +213,7 @@ def _run(logset: LogSet, run: Run, machine: StepMachine) -> MoveRun:
         extension=(along[:, 2] - machine.arm.lower_3) / (machine.arm.upper_3 - machine.arm.lower_3),
         load=load + np.zeros_like(along[:, 1]), load_per_kg=heavier - load + np.zeros_like(along[:, 1]),
         reverses=reverses, start_position=q[:, joint], expected=np.ones(len(steps)),
+        start=settings.start,
         **burden(posture, gravity, force, joint, machine.arm),
     )  # fmt: skip
 
@@ -219,7 +222,7 @@ def _joint(logset: LogSet, run: Run) -> int:
     joint = run.settings.get("joint")
     if isinstance(joint, bool) or joint not in (1, 2, 3):
         raise InputError(
-            f"{logset.folder / FILE}, run {run.name}, joint", f"{joint!r}", "1, 2 or 3"
+            f"{logset.folder / FILE}, runs[{run.name}].joint", shown(joint), "1, 2 or 3"
         )
     return int(joint) - 1
 
@@ -249,13 +252,6 @@ def _with_history(runs: Sequence[MoveRun]) -> list[MoveRun]:
             reverses[0] = max(before, key=lambda r: r.t[-1]).side[-1] != run.side[0]
         found.append(replace(run, reverses=reverses))
     return found
-
-
-def _force(where: str, stated: Any) -> Array:
-    usable = isinstance(stated, list) and len(stated) == 3
-    if not usable or any(isinstance(f, bool) or not isinstance(f, int | float) for f in stated):
-        raise InputError(f"{where}, force_N", f"{stated!r}", "three numbers [x, y, z] in frame 0")
-    return np.array(stated, dtype=float)
 
 
 def _check_steps(logset: LogSet, run: Run) -> None:

@@ -17,14 +17,16 @@ from ....models import rigid_tree_kernels
 from ....models.joint import DRY, VISCOUS, WIDTH, ideal_joints
 from ....models.rigid_tree import PARAMETERS, REVOLUTE, Tree
 from ...errors import InputError
-from ..logset import FILE, LogSet, Run
+from ..checks import shown
+from ..description import FILE
+from ..logset import LogSet, Run
 from ..machine import Array, RunData, encoder_step, own_parameter
 from ..rigid_effects import SIGN_WIDTH, joint_forms
 from ..rigid_machine import RigidMachine, RigidPlant, RigidRun, bandwidth_for, prepared
 from .model_forms import mass_forms
 from .pd_loop import JointPd, pd_controllers, replay, simulate
 from .reference import derivatives
-from .settings import Settings, tolerance
+from .settings import Settings, require_units, run_settings, tolerance
 
 KEYS = {"model", "joints", "base", "passive", "locked", "torque_constant", "effort", "payload",
         "coulomb", "tolerance", "limits", "description", "note", "kind"}  # fmt: skip
@@ -122,20 +124,23 @@ def load_arm(logset: LogSet) -> Arm:
     """The model file of a log set, relative to its folder."""
     where = f"{logset.folder / FILE}, system"
     system = logset.system
-    path = (logset.folder / str(system["model"])).resolve()
+    name = system["model"]
+    if not isinstance(name, str) or "\0" in name:
+        raise InputError(f"{where}.model", shown(name), "the path of an .urdf or .sdf file")
+    path = (logset.folder / name).resolve()
     if not path.is_file() or path.suffix not in (".urdf", ".sdf"):
         raise InputError(
-            f"{where}.model", f"{system['model']!r} is no model file (looked for {path})",
+            f"{where}.model", f"{name!r} is no model file (looked for {path})",
             "an .urdf or .sdf file, its path relative to the log set",
         )  # fmt: skip
     joints = system.get("joints")
     if not isinstance(joints, list) or not joints or len(set(map(str, joints))) != len(joints):
         raise InputError(
-            f"{where}.joints", f"{joints!r}", "the names of the logged joints, each once"
+            f"{where}.joints", shown(joints), "the names of the logged joints, each once"
         )
     locked = system.get("locked", {})
     if not isinstance(locked, dict):
-        raise InputError(f"{where}.locked", f"{locked!r}", "positions by joint [rad or m]")
+        raise InputError(f"{where}.locked", shown(locked), "positions by joint [rad or m]")
     settings = Settings(f"{where}.locked", locked, set(map(str, locked)))
     fixed = {str(name): settings.number(name) for name in locked}
     from .model_plant import parsed  # Drake is loaded for machines that need it only
@@ -153,22 +158,29 @@ def _columns_of(logset: LogSet, arm: Arm) -> tuple[list[str], dict[str, tuple[st
             f"{where}, system", "passive or torque_constant is malformed",
             "`passive: [JOINT, ...]` and `torque_constant: {JOINT: N m/A}`",
         )  # fmt: skip
+    for joint in passive:
+        if joint not in arm.joints:
+            raise InputError(
+                f"{where}, system.passive", shown(joint), f"some of {', '.join(arm.joints)}"
+            )
     columns: dict[str, tuple[str, float]] = {}
     for joint, turns in zip(arm.joints, arm.revolute):
-        _require(logset, joint, "rad" if turns else "m")
+        unit = "rad" if turns else "m"
+        referred = f"{joint}_ref" in logset.units
+        require_units(logset, {joint: unit} | ({f"{joint}_ref": unit} if referred else {}))
         effort = "N m" if turns else "N"
         if f"{joint}_tau" in logset.units:
-            _require(logset, f"{joint}_tau", effort)
+            require_units(logset, {f"{joint}_tau": effort})
             columns[joint] = (f"{joint}_tau", 1.0)
         elif f"{joint}_current" in logset.units:
-            _require(logset, f"{joint}_current", "A")
+            require_units(logset, {f"{joint}_current": "A"})
             given = Settings(f"{where}, system.torque_constant", constants, set(arm.joints))
             if joint not in constants:
                 raise InputError(
                     f"{where}, system.torque_constant", f"nothing for {joint!r}",
                     f"its {effort} per ampere at the joint, behind the gear",
                 )  # fmt: skip
-            columns[joint] = (f"{joint}_current", given.number(joint))
+            columns[joint] = (f"{joint}_current", _constant(given, joint))
         elif joint not in passive:
             raise InputError(
                 f"{where}, columns", f"no effort of {joint!r}",
@@ -179,14 +191,12 @@ def _columns_of(logset: LogSet, arm: Arm) -> tuple[list[str], dict[str, tuple[st
     return list(columns), columns
 
 
-def _require(logset: LogSet, column: str, unit: str) -> None:
-    found = logset.units.get(column)
-    if found is None or found.replace(" ", "") != unit.replace(" ", ""):
-        raise InputError(
-            f"{logset.folder / FILE}, columns.{column}",
-            "no such column" if found is None else f"the unit is {found!r}",
-            f"`{column}: {unit}`",
-        )
+def _constant(given: Settings, joint: str) -> float:
+    """Effort per ampere, negative where the motor is mounted the other way round."""
+    constant = given.number(joint)
+    if constant == 0.0:
+        raise InputError(f"{given.where}.{joint}", "0", "an effort per ampere")
+    return constant
 
 
 def _run_data(
@@ -204,16 +214,15 @@ def _run_data(
     command = np.ascontiguousarray(command * [constant for _, constant in columns.values()])
     kind = logset.system.get("effort", "held")
     if kind not in ("held", "sampled"):
-        raise InputError(f"{logset.folder / FILE}, system.effort", f"{kind!r}", "held or sampled")
+        raise InputError(f"{logset.folder / FILE}, system.effort", shown(kind), "held or sampled")
     if kind == "sampled":  # as a held command with the same mean around every sample
         command = 0.5 * (command + np.concatenate([command[1:], command[-1:]]))
-    rate_hz = run.settings.get("rate_Hz")
+    settings = run_settings(logset, run)
     return RunData(
         name=run.name, use=run.use, settings=run.settings, dt=logset.dt, t=run.columns["t"],
         reference=reference, reference_rate=rate, reference_acceleration=acceleration,
         position=position, command=command, controller=law if has_reference else None,
-        period=round(1.0 / (rate_hz * logset.dt)) if isinstance(rate_hz, int | float) else None,
-        lsb=encoder_step(position),
+        period=settings.period(logset.dt), lsb=encoder_step(position), start=settings.start,
     )  # fmt: skip
 
 
@@ -277,16 +286,14 @@ def resolve_payload(
 ) -> tuple[int, Array]:
     """Number of the body that may carry a payload and where, from ``system.payload``."""
     given = system.get("payload", {})
-    if not isinstance(given, dict) or set(given) - {"body", "point"}:
-        raise InputError(f"{where}.payload", f"{given!r}", "`{body: LINK, point: [x, y, z]}` [m]")
-    body = str(given.get("body", bodies[-1]))
+    if not isinstance(given, dict):
+        raise InputError(f"{where}.payload", shown(given), "`{body: LINK, point: [x, y, z]}` [m]")
+    settings = Settings(f"{where}.payload", given, {"body", "point"})
+    body = settings.text("body", bodies[-1])
     if body not in bodies:
         raise InputError(f"{where}.payload.body", f"{body!r}", f"one of {', '.join(bodies)}")
     number = list(bodies).index(body)
-    point = given.get("point", default_place(inertia[number]).tolist())
-    if not isinstance(point, list) or len(point) != 3 or not np.all(np.isfinite(point)):
-        raise InputError(f"{where}.payload.point", f"{point!r}", "three coordinates [m]")
-    return number, np.array(point, dtype=float)
+    return number, settings.numbers("point", 3, default_place(inertia[number]).tolist())
 
 
 def turns(tree: Tree, joints: int) -> tuple[bool, ...]:

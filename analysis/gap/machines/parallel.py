@@ -25,10 +25,11 @@ from ....models.parallel.three_prs import FLEXURES, THREE_PRS, Flexures
 from ....models.parallel.two_prr import TwoPRR
 from ...errors import InputError
 from ..chain_machine import ChainMachine, ChainPlant, ChainRun, chain_plant, tables
-from ..logset import FILE, LogSet, Run
+from ..description import FILE
+from ..logset import LogSet, Run
 from ..machine import RunData, encoder_step, own_parameter
 from .reference import derivatives
-from .settings import Settings, nominal_settings, require_units, tolerance
+from .settings import Settings, nominal_settings, require_units, run_settings, tolerance
 
 AXIS_KEYS = frozenset({
     "gear_ratio", "lead_m_per_rev", "torque_constant_Nm_per_A", "rotor_inertia_kg_m2",
@@ -57,16 +58,17 @@ def _replalink(nominal: Settings) -> ParallelMachine:
 
 def _linkage(nominal: Settings, d: FiveBar) -> ParallelMachine:
     masses: Any = tuple(
-        nominal.number(f"mass{i}_kg", default) for i, default in enumerate(d.masses, start=1)
+        nominal.number(f"mass{i}_kg", default, least=0.0)
+        for i, default in enumerate(d.masses, start=1)
     )
     geometry = replace(
         d,
-        base=nominal.number("base_m", d.base),
-        crank1=nominal.number("crank1_m", d.crank1),
-        rod2=nominal.number("rod2_m", d.rod2),
-        rod3=nominal.number("rod3_m", d.rod3),
-        crank4=nominal.number("crank4_m", d.crank4),
-        tool=nominal.number("tool_m", d.tool),
+        base=nominal.number("base_m", d.base, positive=True),
+        crank1=nominal.number("crank1_m", d.crank1, positive=True),
+        rod2=nominal.number("rod2_m", d.rod2, positive=True),
+        rod3=nominal.number("rod3_m", d.rod3, positive=True),
+        crank4=nominal.number("crank4_m", d.crank4, positive=True),
+        tool=nominal.number("tool_m", d.tool, positive=True),
         masses=masses,
     )
     return FiveBarMachine(geometry=geometry)
@@ -75,15 +77,15 @@ def _linkage(nominal: Settings, d: FiveBar) -> ParallelMachine:
 def _two_prr(nominal: Settings) -> ParallelMachine:
     d = TwoPRR()
     # Table 6.2 counts the axes in its masses of the sliders, here they are those of the rotors.
-    sliders = (nominal.number("mass1_kg"), nominal.number("mass2_kg"))
-    bars = [nominal.number(f"mass{i}_kg", d.masses[i - 1]) for i in (3, 4, 5, 6)]
+    sliders = (nominal.number("mass1_kg", least=0.0), nominal.number("mass2_kg", least=0.0))
+    bars = [nominal.number(f"mass{i}_kg", d.masses[i - 1], least=0.0) for i in (3, 4, 5, 6)]
     inertias: Any = tuple(
-        nominal.number(f"inertia{i}_kg_m2", d.bar_inertias[i - 3]) for i in (3, 4, 5)
+        nominal.number(f"inertia{i}_kg_m2", d.bar_inertias[i - 3], least=0.0) for i in (3, 4, 5)
     )
     geometry = TwoPRR(
-        span=nominal.number("span_m", d.span),
-        bar=nominal.number("bar_m", d.bar),
-        offset=nominal.number("offset_m", d.offset),
+        span=nominal.number("span_m", d.span, positive=True),
+        bar=nominal.number("bar_m", d.bar, positive=True),
+        offset=nominal.number("offset_m", d.offset, positive=True),
         masses=(*sliders, *bars),
         bar_inertias=inertias,
     )
@@ -96,7 +98,7 @@ def _mast(nominal: Settings) -> ParallelMachine:
 
 def _three_prs(nominal: Settings) -> ParallelMachine:
     flexures = Flexures(**{
-        name: nominal.number(f"{name}_stiffness_Nm_per_rad", default)
+        name: nominal.number(f"{name}_stiffness_Nm_per_rad", default, least=0.0)
         for name, default in vars(FLEXURES).items()
     })  # fmt: skip
     return TableMachine(table=_table(nominal, THREE_PRS), flexures=flexures)
@@ -113,7 +115,7 @@ def _table(nominal: Settings, table: Table) -> Table:
         platform_inertia=inertia,
         bar_mass=bar,
         bar_inertia=table.bar_inertia * bar / table.bar_mass,
-        carriage_mass=nominal.number("carriage_mass_kg", table.carriage_mass),
+        carriage_mass=nominal.number("carriage_mass_kg", table.carriage_mass, least=0.0),
     )
 
 
@@ -171,17 +173,17 @@ def chain_machine(
 ) -> ChainMachine:
     """The machine for the instrument; its own parameters are those of its axes and its inertia as a whole."""
     joints, n = chain.joints, len(chain.joints)
-    viscous = nominal.number("viscous_Nms_per_rad")
+    viscous = nominal.number("viscous_Nms_per_rad", least=0.0)
     coulomb, width = (
-        nominal.number("coulomb_Nm", 0.0),
-        nominal.number("sign_width_rad_per_s", SIGN_WIDTH),
+        nominal.number("coulomb_Nm", 0.0, least=0.0),
+        nominal.number("sign_width_rad_per_s", SIGN_WIDTH, positive=True),
     )
     rotor = nominal.number("rotor_inertia_kg_m2", positive=True)
     drive = ideal_drive(rotor * np.eye(n), np.eye(n), np.zeros(n), width)
     drive.element[:, (FORWARD, BACKWARD)] = coulomb
     drive.element[:, WIDTH] = width
     parts = tuple(chain.parts())
-    lead = nominal.number("lead_m_per_rev", 0.0)
+    lead = nominal.number("lead_m_per_rev", 0.0, least=0.0)
     ratio = nominal.number("gear_ratio", 1.0, positive=True)
 
     def build(values: Mapping[str, float]) -> ChainPlant:
@@ -218,6 +220,7 @@ def chain_machine(
 
 
 def _run(run: Run, logset: LogSet, machine: ChainMachine, constant: float) -> ChainRun:
+    settings = run_settings(logset, run)
     numbers = range(1, len(machine.joints) + 1)
     joints = run.stack(*(f"q{i}" for i in numbers))
     terms = tables(machine.chain, joints, machine.per_motor)
@@ -244,12 +247,8 @@ def _run(run: Run, logset: LogSet, machine: ChainMachine, constant: float) -> Ch
         position=position,
         command=np.ascontiguousarray(constant * run.stack(*(f"current{i}" for i in numbers))),
         controller=None,
-        period=_period(run.settings, logset.dt),
+        period=settings.period(logset.dt),
         lsb=encoder_step(position),
+        start=settings.start,
         tables=terms,
     )
-
-
-def _period(settings: Mapping[str, Any], dt: float) -> int | None:
-    rate = settings.get("rate_Hz")
-    return round(1.0 / (rate * dt)) if isinstance(rate, int | float) and rate > 0.0 else None

@@ -12,10 +12,13 @@ import numpy as np
 
 from ....models import rigid_tree_kernels
 from ...errors import InputError
+from ..checks import shown
 from ..clock import ReplayCheck
-from ..logset import FILE, LogSet
+from ..description import FILE
+from ..logset import LogSet
 from ..machine import Array, RunData, rms
 from ..rigid_machine import RigidPlant, RigidRun
+from .settings import Settings
 
 if TYPE_CHECKING:
     from .model_file import Arm
@@ -47,25 +50,16 @@ def joint_pd(where: str, given: Mapping[str, Any], joints: int, all_driven: bool
     if kind == "unknown":
         return None
     if kind != "joint_pd":
-        raise InputError(f"{where}.kind", f"{kind!r}", "joint_pd or unknown")
+        raise InputError(f"{where}.kind", shown(kind), "joint_pd or unknown")
     if not all_driven:
         raise InputError(where, "joint_pd with a passive joint", "kind: unknown")
-    unknown = sorted(set(given) - KEYS)
-    if unknown:
-        raise InputError(where, f"unknown key {unknown[0]!r}", f"one of {', '.join(sorted(KEYS))}")
-
-    def gains(key: str, default: float | None = None) -> Array:
-        value = given.get(key, None if default is None else [default] * joints)
-        try:
-            found = np.array(value, dtype=float)
-        except (TypeError, ValueError):
-            found = np.zeros(0)
-        if found.shape != (joints,) or np.any(np.isnan(found)):
-            raise InputError(f"{where}.{key}", f"{value!r}", f"{joints} numbers, one a joint")
-        return found
-
+    law = Settings(where, given, KEYS)
+    limited = "limit" in given
     return JointPd(
-        gains("kp"), gains("kd"), gains("limit", np.inf), bool(given.get("gravity_compensation"))
+        kp=law.numbers("kp", joints),
+        kd=law.numbers("kd", joints),
+        limit=law.numbers("limit", joints, above=0.0) if limited else np.full(joints, np.inf),
+        gravity=law.flag("gravity_compensation"),
     )
 
 

@@ -20,11 +20,19 @@ from ....models import drive_kernels, servo_pendulum, servo_pendulum_kernels
 from ....models.servo_pendulum import GRAVITY, PWM_FULL_SCALE, ServoPendulum, ideal_servo
 from ...errors import InputError
 from .. import floor as floors
-from ..logset import FILE, LogSet, Run
+from ..description import FILE
+from ..logset import LogSet, Run
 from ..machine import Array, Machine, Parameter, RunData, encoder_step, own_parameter
 from .hold_out import hold_back_runs
 from .reference import uneven_derivatives
-from .settings import Settings, require_controllers, require_units, tolerance
+from .settings import (
+    Settings,
+    require_controllers,
+    require_sizes,
+    require_units,
+    run_settings,
+    tolerance,
+)
 
 if TYPE_CHECKING:
     from ..clock import ReplayCheck
@@ -172,6 +180,7 @@ def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
                 f"{logset.folder / FILE}, columns.{name}", "no such column",
                 "the firmware's PWM register and whether the motor is switched on, 0 or 1",
             )  # fmt: skip
+        require_sizes(logset, name)
     machine = _machine(logset)
     require_controllers(logset, "servo_position")
     return machine, hold_back_runs([_run(run, logset, machine) for run in logset.runs])
@@ -208,7 +217,7 @@ def _machine(logset: LogSet) -> PendulumMachine:
 
 
 def _run(run: Run, logset: LogSet, machine: PendulumMachine) -> ServoRun:
-    settings = Settings(f"{FILE}, run {run.name}", run.settings, {"kp", "motion", "note"})
+    settings = run_settings(logset, run, "kp")
     nominal = machine.nominal()
     firmware = Firmware(
         gain=settings.number("kp", positive=True),
@@ -242,8 +251,9 @@ def _run(run: Run, logset: LogSet, machine: PendulumMachine) -> ServoRun:
         position=position,
         command=firmware.stall_torque * voltage[:, None],
         controller=firmware,
-        period=None,
+        period=None if logset.uneven else settings.period(logset.dt),
         lsb=encoder_step(position),
+        start=settings.start,
         voltage=voltage,
         arriving=arriving,
         connected=connected,

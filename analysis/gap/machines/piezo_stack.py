@@ -21,7 +21,13 @@ from ..floor import over_white_noise
 from ..logset import LogSet, Run
 from ..machine import Array, Machine, Parameter, RunData, encoder_step, own_parameter
 from .reference import derivatives
-from .settings import nominal_settings, require_controllers, require_units, tolerance
+from .settings import (
+    nominal_settings,
+    require_controllers,
+    require_units,
+    run_settings,
+    tolerance,
+)
 
 if TYPE_CHECKING:
     from ..effects import Form
@@ -100,7 +106,9 @@ def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
     if np.ptp(u) <= 0.0:
         raise InputError(logset.folder, "a command u that never changes", "a command that moves")
     relative = tolerance(logset)
-    gain = nominal.number("gain_um_per_V", float(np.ptp(y) / np.ptp(u)))
+    if np.ptp(y) <= 0.0:
+        raise InputError(logset.folder, "a length y that never changes", "a stack that moves")
+    gain = nominal.number("gain_um_per_V", float(np.ptp(y) / np.ptp(u)), positive=True)
     offset = nominal.number("offset_um", float(np.mean(y) - gain * np.mean(u)))
     rest = nominal.number("rest_V", 0.0)
     stated = logset.system.get("nominal", {})
@@ -125,10 +133,11 @@ def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
         ),
         span=(float(np.min(u)), float(np.max(u))),
     )  # fmt: skip
-    return machine, [_run(run, logset.dt, gain, offset) for run in logset.runs]
+    return machine, [_run(run, logset, gain, offset) for run in logset.runs]
 
 
-def _run(run: Run, dt: float, gain: float, offset: float) -> StackRun:
+def _run(run: Run, logset: LogSet, gain: float, offset: float) -> StackRun:
+    settings, dt = run_settings(logset, run), logset.dt
     voltage = np.ascontiguousarray(run.columns["u"])
     asked = (offset + gain * voltage)[:, None]
     rate, acceleration = derivatives(asked, dt)
@@ -144,8 +153,9 @@ def _run(run: Run, dt: float, gain: float, offset: float) -> StackRun:
         position=run.stack("y"),
         command=asked,
         controller=None,
-        period=cycle(voltage),
+        period=settings.period(dt) or cycle(voltage),
         lsb=encoder_step(run.columns["y"]),
+        start=settings.start,
         voltage=voltage,
     )
 

@@ -12,14 +12,17 @@ from ....models.pmc.parameters import PMCParameters
 from ....models.pmc.prediction import MOTORS
 from ...errors import InputError
 from ..carrier_machine import CarrierMachine, CarrierRun, joints_of, own_parameters, poses_of
-from ..logset import FILE, LogSet, Run
+from ..checks import finite_number, shown
+from ..description import FILE
+from ..logset import LogSet, Run
 from ..machine import RunData, encoder_step
+from .encoders import whole_bits
 from .reference import derivatives
 from .settings import Settings as Keys
-from .settings import require_units, tolerance
+from .settings import require_units, run_settings, tolerance
 
 RIPPLES_PER_TURN = (1, 2, 4, 6, 8, 12)  # torque ripple periods of a motor to look for
-RUN_KEYS = {"motion", "speed", "placement", "rate_Hz", "period_s", "start_s", "note"}
+RUN_KEYS = ("speed", "placement")
 
 
 def read(logset: LogSet) -> tuple[CarrierMachine, list[RunData]]:
@@ -28,9 +31,9 @@ def read(logset: LogSet) -> tuple[CarrierMachine, list[RunData]]:
     require_units(logset, units | {f"tau_{m}": "N m" for m in MOTORS})
     where = f"{logset.folder / FILE}, system"
     known = {"kind", "nominal", "home", "tolerance", "limits", "description", "note"}
-    Keys(where, logset.system, known)
+    system = Keys(where, logset.system, known)
     parameters = _parameters(logset.system.get("nominal", {}), where)
-    home = _home(logset.system.get("home"), where)
+    home = _home(system)
     laws = {
         name: _controller(
             values, f"{logset.folder / FILE}, controllers.{name}", parameters, home, logset.dt
@@ -55,8 +58,11 @@ def read(logset: LogSet) -> tuple[CarrierMachine, list[RunData]]:
 
 def _parameters(nominal: Any, where: str) -> PMCParameters:
     if not isinstance(nominal, Mapping):
-        raise InputError(f"{where}.nominal", f"{nominal!r}", "a mapping of parameters")
+        raise InputError(f"{where}.nominal", shown(nominal), "a mapping of parameters")
     values = {key: value for key, value in nominal.items() if key != "note"}
+    _check_numbers(f"{where}.nominal", values)
+    if values.get("encoder_bits"):  # 0 is an exact encoder
+        whole_bits(f"{where}.nominal.encoder_bits", str(values["encoder_bits"]))
     try:
         return PMCParameters.from_mapping(values, f"{where}.nominal")
     except (ValueError, TypeError) as error:
@@ -65,26 +71,38 @@ def _parameters(nominal: Any, where: str) -> PMCParameters:
         ) from None
 
 
-def _home(values: Any, where: str) -> Any:
-    numbers = values if isinstance(values, list) else []
-    if len(numbers) != 4 or not all(isinstance(v, int | float) for v in numbers):
+def _check_numbers(where: str, values: Mapping[Any, Any]) -> None:
+    """Refuse what is no finite number in a mapping, and in the mappings and lists inside it."""
+    for key, value in values.items():
+        if isinstance(value, Mapping):
+            _check_numbers(f"{where}.{key}", value)
+            continue
+        for one in value if isinstance(value, list) else [value]:
+            finite_number(f"{where}.{key}", one)
+
+
+def _home(system: Keys) -> Any:
+    """Joints d1, d2 [m], theta1, theta2 [rad] at which all motor angles are logged as zero."""
+    if not isinstance(system.values.get("home"), list) or len(system.values["home"]) != 4:
         raise InputError(
-            f"{where}.home", f"{values!r}", "four joints d1, d2 [m], theta1, theta2 [rad]",
+            f"{system.where}.home", shown(system.values.get("home")),
+            "four joints d1, d2 [m], theta1, theta2 [rad]",
             "They are the joints at which all motor angles are logged as zero.",
         )  # fmt: skip
-    return np.array(numbers, dtype=float)
+    return system.numbers("home", 4)
 
 
 def _controller(
     values: Mapping[str, Any], where: str, parameters: PMCParameters, home: Any, dt: float
 ) -> Controller:
     kind = values.get("kind")
-    if kind not in CONTROLLERS:
-        raise InputError(f"{where}.kind", f"{kind!r}", f"one of {', '.join(CONTROLLERS)}")
+    if not isinstance(kind, str) or kind not in CONTROLLERS:
+        raise InputError(f"{where}.kind", shown(kind), f"one of {', '.join(CONTROLLERS)}")
     default = CONTROLLERS[kind]
     keys = Keys(
         where, values, {item.name for item in fields(default)} | {"kind", "model_error", "note"}
     )
+    _check_numbers(where, {k: v for k, v in values.items() if k not in ("kind", "note")})
     gains: dict[str, Any] = {
         item.name: tuple(values[item.name])
         if isinstance(values[item.name], list)
@@ -106,9 +124,12 @@ def _controller(
 def _run(
     run: Run, logset: LogSet, law: Controller, home: Any, parameters: PMCParameters
 ) -> CarrierRun:
-    where = f"{logset.folder / FILE}, run {run.name}"
-    keys = Keys(where, run.settings, RUN_KEYS)
-    period = run.settings.get("period_s")
+    keys = run_settings(logset, run, *RUN_KEYS)
+    keys.number("speed", 1.0)
+    placement = run.settings.get("placement", {})
+    if not isinstance(placement, Mapping):
+        raise InputError(f"{keys.where}.placement", shown(placement), "a mapping of numbers")
+    _check_numbers(f"{keys.where}.placement", placement)
     reference = run.stack(*(f"psi_{m}_ref" for m in MOTORS))
     position = run.stack(*(f"psi_{m}" for m in MOTORS))
     rate, acceleration = derivatives(reference, logset.dt)
@@ -121,7 +142,7 @@ def _run(
         lost = np.flatnonzero(~np.isfinite(reached).all(axis=1))
         if lost.size:
             raise InputError(
-                f"{where}, row {lost[0] + 2}, columns {what}",
+                f"{keys.where}, row {lost[0] + 2}, columns {what}",
                 "motor angles outside the reach of the limbs",
                 "angles counted from system.home by a robot of system.nominal",
             )
@@ -137,9 +158,9 @@ def _run(
         position=position,
         command=run.stack(*(f"tau_{m}" for m in MOTORS)),
         controller=law,
-        period=round(keys.number("period_s", positive=True) / logset.dt) if period else None,
+        period=keys.period(logset.dt),
         lsb=encoder_step(position),
-        start=keys.number("start_s", 0.0),
+        start=keys.start,
         joints=joints,
         joint_acceleration=derivatives(joints, logset.dt)[1],
         pose=pose,

@@ -29,12 +29,21 @@ import numpy as np
 from ....models import position_servo_kernel
 from ....models.position_servo import PositionServo, ideal_servo
 from ...errors import InputError
-from ..logset import FILE, LogSet, Run
+from ..checks import shown
+from ..description import FILE
+from ..logset import LogSet, Run
 from ..machine import Array, Machine, Parameter, RunData, encoder_step, own_parameter
 from .reference import derivatives
 from .repeated import repeated_floor
 from .servo_torque import torque_remarks
-from .settings import Settings, require_controllers, require_units, tolerance
+from .settings import (
+    Settings,
+    require_controllers,
+    require_sizes,
+    require_units,
+    run_settings,
+    tolerance,
+)
 
 if TYPE_CHECKING:
     from ..effects import Form
@@ -161,7 +170,7 @@ def read(logset: LogSet) -> tuple[Machine, list[RunData]]:
 def _joints(value: Any, where: str) -> tuple[str, ...]:
     names = value if isinstance(value, list) else []
     if not names or not all(isinstance(n, str) for n in names) or len(set(names)) < len(names):
-        raise InputError(f"{where}.joints", f"{value!r}", "a list of the joints' names, each once")
+        raise InputError(f"{where}.joints", shown(value), "a list of the joints' names, each once")
     return tuple(names)
 
 
@@ -175,6 +184,7 @@ def _require_torques(logset: LogSet, joints: Sequence[str]) -> None:
                 f"the unit is {unit!r}" if unit else "no such column",
                 "`N m`, the magnitude of the servo's torque, of every joint or of none",
             )
+        require_sizes(logset, name)
 
 
 def _chain(value: Any, joints: Sequence[str], where: str) -> tuple[tuple[int, float], ...]:
@@ -183,7 +193,7 @@ def _chain(value: Any, joints: Sequence[str], where: str) -> tuple[tuple[int, fl
         value = list(SO101) if set(SO101) <= set(joints) else []
     expected = f"a list of names out of {', '.join(joints)}, a minus sign before a reversed one"
     if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
-        raise InputError(f"{where}.parallel_axes", f"{value!r}", expected)
+        raise InputError(f"{where}.parallel_axes", shown(value), expected)
     names = [name.removeprefix("-") for name in value]
     for name in names:
         if name not in joints or names.count(name) > 1:
@@ -198,7 +208,7 @@ def _own(logset: LogSet, joints: Sequence[str]) -> list[Parameter]:
     stated = logset.system.get("nominal", {})
     where = f"{logset.folder / FILE}, system.nominal"
     if not isinstance(stated, dict):
-        raise InputError(where, f"{stated!r}", "a mapping of parameters")
+        raise InputError(where, shown(stated), "a mapping of parameters")
     nominal = Settings(where, stated, {"time_constant_s", "inertia_s2", "delay_s", "note"})
     relative = tolerance(logset)
 
@@ -218,6 +228,7 @@ def _own(logset: LogSet, joints: Sequence[str]) -> list[Parameter]:
 
 
 def _run(run: Run, logset: LogSet, machine: ArmMachine, with_torque: bool) -> ArmRun:
+    settings = run_settings(logset, run)  # repeated stretches are found, whatever period is stated
     if run.samples < SHORTEST:
         raise InputError(run.name, f"{run.samples} samples", f"at least {SHORTEST} of an arm")
     joints = machine.joints
@@ -238,6 +249,7 @@ def _run(run: Run, logset: LogSet, machine: ArmMachine, with_torque: bool) -> Ar
         controller=None,
         period=None,
         lsb=max((encoder_step(column) for column in position.T), default=0.0),
+        start=settings.start,
         fine_reference=np.ascontiguousarray(reference.T),
         fine_position=np.ascontiguousarray(position.T),
         link_angles=np.cumsum(links, axis=0) if links else np.zeros((0, len(position))),

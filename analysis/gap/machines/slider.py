@@ -7,11 +7,20 @@ import numpy as np
 from ....models.drive import VISCOUS, ideal_drive
 from ....models.drive_kernels import CASCADE, LoopController
 from ...errors import InputError
+from ..checks import shown
+from ..description import FILE
 from ..drive_machine import DriveMachine, DrivePlant, PayloadAxis
-from ..logset import FILE, LogSet, Run
+from ..logset import LogSet, Run
 from ..machine import RunData, encoder_step, own_parameter
 from .reference import derivatives
-from .settings import Settings, nominal_settings, require_units, tolerance
+from .settings import (
+    RunSettings,
+    Settings,
+    nominal_settings,
+    require_units,
+    run_settings,
+    tolerance,
+)
 
 COLUMNS = {"q_ref": "m", "q": "m", "force": "N"}
 RIPPLE_PERIODS = (0.001, 0.002, 0.004, 0.005, 0.01, 0.016, 0.02, 0.024, 0.03, 0.06)  # screws [m]
@@ -28,14 +37,17 @@ def read(logset: LogSet) -> tuple[DriveMachine, list[RunData]]:
     nominal = nominal_settings(logset, {"mass_kg", "viscous_N_s_per_m"})
     machine = slider_machine(
         nominal.number("mass_kg", positive=True),
-        nominal.number("viscous_N_s_per_m"),
+        nominal.number("viscous_N_s_per_m", least=0.0),
         tolerance(logset),
     )
     controllers = {
         name: read_controller(f"{logset.folder / FILE}, controllers.{name}", settings)
         for name, settings in logset.controllers.items()
     }
-    runs = [_run_data(run, logset.dt, controllers[run.controller]) for run in logset.runs]
+    runs = [
+        _run_data(run, run_settings(logset, run), logset.dt, controllers[run.controller])
+        for run in logset.runs
+    ]
     return machine, runs
 
 
@@ -80,7 +92,7 @@ def read_controller(where: str, values: Mapping[str, object]) -> LoopController:
     """Cascade P-P from its block of a log set; InputError for a bad key."""
     settings = Settings(where, values, CASCADE_KEYS)
     if values.get("kind") != "cascade_p_p":
-        raise InputError("controller.kind", f"{values.get('kind')!r}", "cascade_p_p")
+        raise InputError(f"{where}.kind", shown(values.get("kind")), "cascade_p_p")
     force_per_volt = settings.number("force_per_volt_N", positive=True)
     zero = np.zeros((1, 1))
     return LoopController(
@@ -102,16 +114,10 @@ def read_controller(where: str, values: Mapping[str, object]) -> LoopController:
     )
 
 
-def _run_data(run: Run, dt: float, controller: LoopController) -> RunData:
+def _run_data(run: Run, settings: RunSettings, dt: float, controller: LoopController) -> RunData:
     reference = run.stack("q_ref")
     rate, acceleration = derivatives(reference, dt)
     position = run.stack("q")
-    rate_hz = run.settings.get("rate_Hz")
-    start = run.settings.get("start_s", 0.0)
-    if isinstance(start, bool) or not isinstance(start, int | float) or not np.isfinite(start):
-        raise InputError(
-            f"{FILE}, run {run.name}, start_s", f"{start!r}", "the running time before the run [s]"
-        )
     return RunData(
         name=run.name,
         use=run.use,
@@ -124,7 +130,7 @@ def _run_data(run: Run, dt: float, controller: LoopController) -> RunData:
         position=position,
         command=run.stack("force"),
         controller=controller,
-        period=round(1.0 / (rate_hz * dt)) if isinstance(rate_hz, int | float) else None,
+        period=settings.period(dt),
         lsb=encoder_step(position),
-        start=float(start),
+        start=settings.start,
     )
