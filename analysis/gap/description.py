@@ -240,10 +240,6 @@ def _entry(where: str, entry: Any, path: Path, controllers: Mapping[str, Any]) -
     use = entry.get("use")
     if use not in ("fit", "validate"):
         raise InputError(where, f"use is {shown(use)}", "fit or validate")
-    if "controller" not in entry and len(controllers) > 1:
-        raise InputError(
-            where, "no controller", f"one of {', '.join(sorted(controllers))}, its law in that run"
-        )
     controller = str(entry.get("controller", next(iter(controllers))))
     if controller not in controllers:
         raise InputError(

@@ -186,15 +186,6 @@ def test_a_description_that_cannot_be_is_one_error(read, change, words):
     assert "\n" not in str(caught.value)
 
 
-def test_a_run_says_which_of_several_controllers_it_is_under(read):
-    def two(document):
-        law = document.pop("controller")
-        document["controllers"] = {"first": law, "second": {**law, "kp_per_s": 80.0}}
-
-    with pytest.raises(InputError, match="no controller; expected one of first, second"):
-        read("slider", two)
-
-
 def test_each_run_of_a_rotary_pendulum_has_its_own_law(read):
     def two(document):
         law = document.pop("controller")["law"]
