@@ -123,7 +123,7 @@ def _width(half: float, planted: float) -> str:
     if not planted:
         return f"± {half:.1g}"
     share = half / abs(planted)
-    return f"± {1e2 * share:.2g} %" if share < 0.995 else f"± {share:.1f} times"
+    return f"± {1e2 * share:.2g} %" if share < 0.995 else f"± {share:.3g} times"
 
 
 def _short(line: str, limit: int = 52) -> str:
