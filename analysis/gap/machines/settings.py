@@ -15,6 +15,7 @@ DEFAULT_TOLERANCE = 0.03
 # Keys that a run of any machine may have. A motion that repeats states its rate or its period.
 RUN_KEYS = frozenset({"motion", "rate_Hz", "period_s", "start_s", "note"})
 LONGEST_RUNNING = 1e9  # [s] that a machine can have been running before a run, 30 years
+MOST_RUNS = 10  # lengths of a run that a cycle may have: a run may be part of one
 LARGEST = 1e9  # no position, command or effort of a machine here, in whatever unit, is as large
 
 
@@ -101,12 +102,12 @@ class RunSettings(Settings):
 
     def _check_period(self, run: Run, dt: float, seconds: float) -> None:
         key = "period_s" if "period_s" in self.values else "rate_Hz"
-        longest = run.samples if run.whole else np.inf  # a stretch may hold part of a cycle
-        if not 2.0 <= seconds / dt < longest + 1.0:
+        longest = MOST_RUNS * run.samples if run.whole else np.inf  # stretches hold parts of a cycle
+        if not 2.0 <= seconds / dt <= longest:
             raise InputError(
                 f"{self.where}.{key}",
                 f"{self.values[key]:g}, a cycle of {seconds / dt:.3g} samples",
-                f"2 samples or more and no longer than the run of {run.samples} samples",
+                f"2 samples at least and {MOST_RUNS} times the run of {run.samples} samples at most",
                 "Leave it out where the motion does not repeat.",
             )
 

@@ -96,7 +96,7 @@ def test_a_nominal_value_that_no_machine_has_is_named(read, kind):
     ("key", "values"),
     [
         ("rate_Hz", (0, -1.0, True, "1.0", NAN, 1e9, 1e300, 1e-9, 300.0)),
-        ("period_s", (0, -1.0, True, "1.0", NAN, 1e9, 1e-9, 0.003, 0.7)),
+        ("period_s", (0, -1.0, True, "1.0", NAN, 1e9, 1e-9, 0.003, 7.0)),
         ("start_s", (-5.0, 1e308, True, "0", NAN, float("inf"))),
         ("motion", (NAN, True, ["a"])),
     ],
