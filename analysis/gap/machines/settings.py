@@ -102,7 +102,9 @@ class RunSettings(Settings):
 
     def _check_period(self, run: Run, dt: float, seconds: float) -> None:
         key = "period_s" if "period_s" in self.values else "rate_Hz"
-        longest = MOST_RUNS * run.samples if run.whole else np.inf  # stretches hold parts of a cycle
+        longest = (
+            MOST_RUNS * run.samples if run.whole else np.inf
+        )  # stretches hold parts of a cycle
         if not 2.0 <= seconds / dt <= longest:
             raise InputError(
                 f"{self.where}.{key}",
