@@ -7,7 +7,8 @@ r"""An n-shaft electromechanical drive with constant inertia: the law behind C-d
    bearing, or the nut between two shafts), :math:`f` (m,) their friction, ``friction.py``;
 3. :math:`h(q) = b + r_c \cos(kq) + r_s \sin(kq)` (n,): bias load and torque ripple of the motor;
 4. from command :math:`u` to torque: delay, gain, limit, lag of first or second order, in this order, and
-   load-dependent friction proportional to the magnitude of the drive torque, its ripple included.
+   load-dependent friction proportional to the magnitude of the drive torque, its ripple included, or to that of
+   what the bias leaves of it: what is transmitted behind the place where the bias acts.
 
 5. a coupling between two shafts: :math:`k \,\mathrm{dz}(\Delta q, g/2) + c \Delta\dot q` in contact,
    dz the dead zone of the clearance g.
@@ -43,12 +44,13 @@ from . import control, elementary, friction, runge_kutta
     RIPPLE_SIN,  # [N m or N]
     RIPPLE_WAVENUMBER,  # k [1/rad or 1/m]
     LOAD_WIDTH,  # smoothing of the sign in load-dependent friction [rad/s or m/s]
+    NET_LOAD_FRICTION,  # dry friction per magnitude of what the bias leaves of the drive torque [-]
     DELAY,  # of the command [s]
     GAIN,  # torque delivered per torque commanded [-]
     LIMIT,  # largest torque magnitude [N m or N]
     LAG,  # time constant of the torque loop [s]
     STAGES,  # equal first-order stages that share the lag, 1 or 2
-) = range(SHAFT_COLUMNS := 11)
+) = range(SHAFT_COLUMNS := 12)
 
 # Columns of ``Drive.coupling``, a flexible connection from one shaft to another.
 (
@@ -66,7 +68,7 @@ class Drive(NamedTuple):
     inertia_inverse: Any  # (n, n) inverse of M [1/(kg m^2) or 1/kg]
     elements: Any  # (m, n) E, speed of each friction element per shaft speed [-]
     element: Any  # (m, 10) constants of the friction elements, columns above
-    shaft: Any  # (n, 11) constants of the shafts, columns above
+    shaft: Any  # (n, 12) constants of the shafts, columns above
     coupling: Any  # (c, 5) flexible couplings between two shafts, columns above
 
     def copy(self) -> "Drive":
@@ -136,9 +138,11 @@ def net_torque(q: Any, v: Any, held: Any, torque: Any, t: Any, drive: Drive, out
             drive.shaft[j, RIPPLE_WAVENUMBER],
         )
         out[j] = driving - drive.shaft[j, BIAS]
-        if drive.shaft[j, LOAD_FRICTION] != 0.0:
-            step = friction.smooth_sign(v[j], drive.shaft[j, LOAD_WIDTH])
-            out[j] -= drive.shaft[j, LOAD_FRICTION] * np.abs(driving) * step
+        if drive.shaft[j, LOAD_FRICTION] != 0.0 or drive.shaft[j, NET_LOAD_FRICTION] != 0.0:
+            level = drive.shaft[j, LOAD_FRICTION] * np.abs(driving) + drive.shaft[
+                j, NET_LOAD_FRICTION
+            ] * np.abs(out[j])
+            out[j] -= level * friction.smooth_sign(v[j], drive.shaft[j, LOAD_WIDTH])
     for i in range(m):
         speed = drive.elements[i, 0] * v[0]
         for j in range(1, n):

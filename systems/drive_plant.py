@@ -95,6 +95,7 @@ def DrivePlant_(T: Any) -> Any:
                     load,
                     (
                         drive_law.LOAD_FRICTION,
+                        drive_law.NET_LOAD_FRICTION,
                         drive_law.RIPPLE_COS,
                         drive_law.RIPPLE_SIN,
                     ),

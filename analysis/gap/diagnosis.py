@@ -172,7 +172,7 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     log = logset if isinstance(logset, LogSet) else load_logset(logset)
     tell("checking signals and clocks")
     machine, logged = read_machine(log)
-    logged = [_settled(machine, run) for run in _with_validation(logged)]
+    logged = _of_one_encoder([_settled(machine, run) for run in _with_validation(logged)])
     runs, findings = machine.examine(logged, stated_encoder_step(log))
     replays = machine.replays(runs)
     fit_runs = [run for run in runs if run.use == "fit"]
@@ -266,6 +266,13 @@ def _settled(machine: Machine, run: RunData) -> RunData:
     """The run without the samples that only show what is not known of its first state."""
     first = max(run.window.start or 0, machine.settling(run))
     return replace(run, window=slice(first, run.window.stop))
+
+
+def _of_one_encoder(runs: Sequence[RunData]) -> list[RunData]:
+    """The runs, with the encoder's step that the fit runs show where a run shows none."""
+    steps = [run.lsb for run in runs if run.use == "fit" and run.lsb > 0.0]
+    step = float(np.median(steps)) if steps else 0.0
+    return [run if run.lsb > 0.0 else replace(run, lsb=step) for run in runs]
 
 
 def _nominal_fit(predictor: Predictor) -> Fit:

@@ -29,7 +29,7 @@ def plants(rng):
         put(sets.element, column, *spread)
     sets.element[:5, :, drive.BREAKAWAY] = 0.0
     for column, *spread in (
-        (drive.LOAD_FRICTION, 0.0, 0.05), (drive.BIAS, -0.1, 0.1), (drive.RIPPLE_COS, 0.0, 0.05),
+        (drive.LOAD_FRICTION, 0.0, 0.05), (drive.NET_LOAD_FRICTION, 0.0, 0.05), (drive.BIAS, -0.1, 0.1), (drive.RIPPLE_COS, 0.0, 0.05),
         (drive.RIPPLE_SIN, 0.0, 0.05), (drive.RIPPLE_WAVENUMBER, 1.0, 4.0), (drive.GAIN, 0.9, 1.1),
         (drive.LIMIT, 0.5, 3.0), (drive.LAG, 1e-3, 2e-3), (drive.DELAY, 1.2e-3, 1.8e-3),
     ):  # fmt: skip
