@@ -30,7 +30,7 @@ def DrivePlant_(T: Any) -> Any:
         | out `state`    | 2 shafts | all positions, then all velocities |
 
         Continuous state: positions, then velocities of all shafts. Numeric parameters of the
-        Context: ``INERTIA_INVERSE`` (n, n), ``ELEMENT`` (m, 9), ``LOAD`` (n, 6: the columns of
+        Context: ``INERTIA_INVERSE`` (n, n), ``ELEMENT`` (m, 9), ``LOAD`` (n, 7: the columns of
         ``Drive.shaft`` before DELAY) and ``COUPLING`` (c, 3: stiffness, damping, gap). The presliding
         stiffness and the shafts a coupling joins are structure, not parameters.
 
