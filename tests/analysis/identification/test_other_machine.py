@@ -39,8 +39,8 @@ def generic():
     one = np.ones(1)
     return machine.of_chain(
         slider_crank(), title="slider-crank", lower=-0.2 * one, upper=2.0 * one, speed=8.0 * one,
-        acceleration=150.0 * one, start=START * one, frequency=1.0, harmonics=4, period=0.005,
-        cutoff=30.0, resolution=1e-5, coulomb=COULOMB * one, viscous=VISCOUS * one, noise=0.02,
+        acceleration=150.0 * one, start=START * one, frequency=1.0, harmonics=4, period=0.01,
+        cutoff=15.0, resolution=1e-5, coulomb=COULOMB * one, viscous=VISCOUS * one, noise=0.02,
     )  # fmt: skip
 
 
@@ -75,6 +75,7 @@ def test_regressor_is_the_machine_s_dynamics(generic):
     assert found == pytest.approx(torque(q, v, a)[:, 0], rel=1e-7, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_base_parameters_predict_another_motion(generic):
     """Planted parameters 20 % off the drawn ones: force within 1.1 times the noise, where the drawn ones are far off."""
     base, by_qr, angle = study.structure(generic, 0, states=60)
