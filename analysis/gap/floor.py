@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 NOISE_BAND = 0.4  # share of the Nyquist frequency above which only the encoder's noise is expected
 MEASURED = "cycle-to-cycle repeatability"
 NO_CYCLES = "the runs hold no repeated cycles"
+NOISELESS = 1e-9  # of the travel: a floor of readings without noise
 SEGMENT = 256  # samples of a Welch segment
 
 
@@ -139,6 +140,8 @@ def noise_floor(
     floors, found = [], set()
     for run, residual in zip(runs, residuals):
         encoder = quantisation_floor(run.lsb, bandwidth, run.dt, run.shifted)
+        if encoder == 0.0:  # readings without steps
+            encoder = _white_floor(run, residual, bandwidth)
         repeated = repeatability(residual, run.period) if run.period else None
         if repeated is None:
             found.add(f"encoder resolution; {NO_CYCLES}")
@@ -150,6 +153,20 @@ def noise_floor(
             found.add(MEASURED)
             floors.append(repeated)
     return floors, " and ".join(sorted(found))
+
+
+def _white_floor(run: "RunData", residual: Array, bandwidth: float) -> float:
+    """Rms prediction error that the white noise of the readings causes, whose size shows at high frequencies.
+
+    Never zero: simulated readings may have no noise at all.
+    """
+    length = min(SEGMENT, len(residual))
+    frequency, power = welch(residual, 1.0 / run.dt, nperseg=length, axis=0)
+    passed = np.abs(_noise_filter(frequency, bandwidth, run)) ** 2
+    high = frequency > NOISE_BAND * frequency[-1]
+    level = float(power[high].mean(axis=1).sum() / passed[high].sum())
+    size = float(np.sqrt(level * np.sum(passed) * (frequency[1] - frequency[0])))
+    return max(size, NOISELESS * float(np.ptp(run.position)))
 
 
 def _uncorrelated_signs(residual: Array) -> Array:

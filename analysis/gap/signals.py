@@ -8,12 +8,13 @@ difference, and the runs are corrected before the machine is diagnosed.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from ...models.drive_kernels import LoopController
 from .clock import replay
 from .effects.two_inertia import FAMILY
 from .fitting import fit
@@ -34,6 +35,8 @@ COARSER = 1.5  # ratio of the encoder step found to the stated one
 CLOSE = 2.0  # ratio of replay differences that does not tell which clock is off
 ALIKE = 1.02  # ratio of errors that does not tell two faults from each other
 DRY = "friction.coulomb", "friction.stribeck", "friction.presliding"
+GAINS = "kp", "ki", "kd", "kv"  # of the controllers of drives
+LARGEST_FACTOR = 5.0  # by which a stated gain may be wrong
 HOME = "home offset"
 PARKED = (
     1.5  # ratio to the level of dry friction up to which a command holds a machine where it stopped
@@ -102,7 +105,7 @@ def _best_fault(
     """The fault of the log that explains the replay, if any does, and the rms replay difference without it.
 
     A fault that changes what the machine's model sees must help the model as well: where it does not, the log is
-    right, and the stated controller is not the one that ran.
+    right, and the stated controller is not the one that ran. So it is where other gains explain the command better.
     """
     before = _difference(runs)
     if before < FAITHFUL * rms([run.command[run.window] for run in runs]):
@@ -121,6 +124,8 @@ def _best_fault(
     if not fitted:
         return None, before
     best = min(fitted, key=lambda f: np.log(f.after) + 0.02 * len(f.fault.names))
+    if _difference_of_free_gains(runs) < best.after / CLOSE:
+        return None, before
     units = [f for f in fitted if f.fault.form == OTHER_UNIT]
     clocks = [f for f in fitted if f.fault.effect == "sensor.timing"]
     if units and units[0].after < ALIKE * best.after:  # what a scale of the command does as well
@@ -129,6 +134,36 @@ def _best_fault(
         alike = [f for f in clocks if f.after < CLOSE * best.after]
         best = min(alike, key=lambda f: _predicted(machine, runs, f, len(alike) > 1))
     return best, before
+
+
+def _difference_of_free_gains(runs: Sequence[RunData]) -> float:
+    """Rms replay difference with the best gains of the stated law, infinite for laws that no drive has.
+
+    A wrong gain moves the command as a late signal does: the lag of a position loop is one over its gain.
+    """
+    if not all(isinstance(run.controller, LoopController) for run in runs):
+        return float(np.inf)
+    names = [n for n in GAINS if any(np.any(getattr(run.controller, n)) for run in runs)]
+
+    def residual(x: Array) -> Array:
+        factors = dict(zip(names, np.exp(x)))
+        return _replay_errors(
+            [
+                replace(
+                    run,
+                    controller=run.controller._replace(
+                        **{n: getattr(run.controller, n) * factor for n, factor in factors.items()}
+                    ),
+                )
+                for run in runs
+            ]
+        )
+
+    reach = np.log(LARGEST_FACTOR)
+    solution = least_squares(
+        residual, np.zeros(len(names)), bounds=(-reach, reach), diff_step=[1e-3], max_nfev=30
+    )
+    return float(np.sqrt(np.mean(residual(solution.x) ** 2)))
 
 
 def _is_other_unit(fitted: _Fitted, runs: Sequence[RunData], stated_lsb: float | None) -> bool:

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ....models.drive import Drive
+from ...errors import InputError
 from ..machine import Array, Parameter, RunData
 
 DRY_FRICTION = frozenset({"friction.coulomb"})  # what Stribeck friction contains
@@ -39,6 +40,13 @@ def scales_of(runs: Sequence[RunData]) -> Scales:
     rate = np.concatenate([run.reference_rate[run.window] for run in runs])
     position = np.concatenate([run.position[run.window] for run in runs])
     travel = float(np.ptp(position))
+    if not np.any(rate):
+        raise InputError(
+            ", ".join(run.name for run in runs),
+            "the reference never moves in any of these runs",
+            "a fit run with a motion",
+            "Log a motion of the machine: at rest nothing can be told apart.",
+        )
     return Scales(
         effort=float(np.sqrt(np.mean(command**2))),
         effort_peak=float(np.max(np.abs(command))),

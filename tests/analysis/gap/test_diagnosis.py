@@ -1,11 +1,13 @@
 """The instrument finds a planted effect, where it acts, and says nothing where there is nothing."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import yaml
 
+from gapscope.analysis.errors import InputError
 from gapscope.analysis.gap.diagnosis import diagnose
 from gapscope.analysis.gap.effects import Effect, catalogue, register
 from gapscope.analysis.gap.inverse_model import inverse_model
@@ -165,3 +167,10 @@ def test_emps_inverse_model_errors_fall_as_published(shared_data):
     machine, runs = read_machine(load_logset(shared_data / "emps"))
     errors = [s.relative_error for s in inverse_model(machine, runs)]
     assert errors == pytest.approx([0.695, 0.180, 0.072, 0.041, 0.032], rel=0.06)
+
+
+def test_runs_in_which_nothing_moves_are_refused_in_words(nominal_logset):
+    machine, runs = read_machine(load_logset(nominal_logset))
+    still = [replace(run, reference_rate=0.0 * run.reference_rate) for run in runs]
+    with pytest.raises(InputError, match="the reference never moves"):
+        machine.forms(still)

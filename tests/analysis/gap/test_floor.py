@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from gapscope.analysis.gap.floor import out_of_step, quantisation_floor
+from gapscope.analysis.gap.floor import noise_floor, out_of_step, quantisation_floor
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
 from gapscope.analysis.gap.verdict import OUT_OF_STEP, Verdict, in_step
@@ -88,3 +88,14 @@ def test_a_disturbance_out_of_step_takes_the_claim_back(verdict):
     taken = in_step(claim, 3.0)
     assert taken.verdict == "unexplained"
     assert "3.0 x the noise of the measurement" in taken.reason
+
+
+def test_readings_without_steps_have_the_floor_of_their_white_noise(run):
+    bare = replace(run, lsb=0.0, period=None)
+    noise = 2e-4 * np.random.default_rng(4).standard_normal(run.position.shape)
+    residual = prediction_error(run, noise)
+    floors, _ = noise_floor([bare], [residual], BANDWIDTH)
+    expected = np.sqrt(np.mean(residual**2))
+    assert np.sqrt(np.mean(floors[0] ** 2)) == pytest.approx(expected, rel=0.1)
+    smooth, _ = noise_floor([bare], [0.0 * residual], BANDWIDTH)
+    assert 0.0 < np.max(np.abs(smooth[0])) < 1e-6  # next to nothing, and not zero

@@ -214,3 +214,16 @@ def test_a_machine_held_by_dry_friction_is_parked(case):
     assert not signals.parked([replace(run, command=run.command + 9.0) for run in runs], stuck)
     smooth = replace(stuck, keys=(("load.bias", "bias_left"),))
     assert not signals.parked(pushed, smooth)
+
+
+def test_a_gain_that_is_stated_wrongly_is_no_clock(case):
+    """The lag of a position loop is one over its gain: a wrong gain moves the command like a late signal."""
+    machine, runs, lsb = case
+    for factor in (0.94, 0.7):
+        stated = [
+            replace(run, controller=run.controller._replace(kp=factor * run.controller.kp))
+            for run in runs
+        ]
+        corrected, findings = examine(machine, stated, lsb)
+        assert findings == []
+        assert all(a.position is b.position for a, b in zip(corrected, stated))
