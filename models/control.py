@@ -41,19 +41,26 @@ def row(i: int, matrix: Any, vector: Any) -> Any:
     return total
 
 
+def plus_row(total: Any, i: int, matrix: Any, vector: Any) -> Any:
+    """``total`` plus ``row``: what comes late is multiplied and added in one."""
+    for j in range(len(vector)):
+        total += matrix[i, j] * vector[j]
+    return total
+
+
 def pid(i: int, kp: Any, ki: Any, kd: Any, error: Any, integral: Any, slope: Any) -> Any:
     """Row ``i`` of (2) with the integral of (4.32): Kp e + Ki int(e) + Kd de/dt."""
-    return row(i, kp, error) + row(i, ki, integral) + row(i, kd, slope)
+    return plus_row(plus_row(row(i, ki, integral), i, kp, error), i, kd, slope)
 
 
 def inverse_dynamics(i: int, inertia: Any, damping: Any, acceleration: Any, rate: Any) -> Any:
     """Row ``i`` of (3): the torque for the corrected acceleration at the estimated rate (4.35)."""
-    return row(i, inertia, acceleration) + row(i, damping, rate)
+    return plus_row(row(i, damping, rate), i, inertia, acceleration)
 
 
 def observed_rate(i: int, from_state: Any, from_position: Any, state: Any, position: Any) -> Any:
     """Row ``i`` of the rate that an observer reads from its state and the position (4.22e)."""
-    return row(i, from_state, state) + row(i, from_position, position)
+    return plus_row(row(i, from_state, state), i, from_position, position)
 
 
 def observer_next(

@@ -168,7 +168,8 @@ def net_torque(q: Any, v: Any, held: Any, torque: Any, t: Any, drive: Drive, out
             )
         if drive.element[i, FADE] != 0.0:
             force *= np.exp(-t * drive.element[i, FADE])
-        force += held[i]
+        if drive.element[i, STIFFNESS] != 0.0:
+            force += held[i]
         for j in range(n):
             out[j] -= drive.elements[i, j] * force
 
@@ -264,6 +265,8 @@ def delayed_command(command: Any, k: int, j: int, delay: float, dt: float) -> fl
 
     The mean over the sample of the held command; before the first sample the command is the first.
     """
+    if delay == 0.0:
+        return command[k, j]
     samples = delay / dt
     whole = elementary.whole(samples)
     part = samples - whole

@@ -4,105 +4,33 @@ Both loops work sample by sample on arrays (samples, n) and call the plain funct
 and ``control.py``; the LeafSystems and the tests call the same ones.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from . import compilation, control, drive, drive_stack, encoder, friction, runge_kutta, stack
 from .drive import Drive
+from .drive_stack import has_rare_effects
+from .sampled_controller import (
+    CASCADE as CASCADE,
+)
+from .sampled_controller import (
+    FEEDBACK as FEEDBACK,
+)
+from .sampled_controller import (
+    INTEGRAL,
+    LOW_PASSED,
+    OBSERVED,
+    LoopController,
+    control_step,
+    controller_on_stack,
+    memory_on_stack,
+)
+from .sampled_controller import (
+    initial_memory as initial_memory,
+)
 
 compilation.register_laws(friction, encoder, control, runge_kutta, drive)
-
-FEEDBACK = 0
-CASCADE = 1
-
-
-class LoopController(NamedTuple):
-    """A sampled controller as arrays, so that one kernel serves them all.
-
-    ``kind`` FEEDBACK: command = A (f r'' + Kp e + Ki int(e) + Kd D(e)) + F rate, with the observer's
-    rate; PD and task-space PD have A = 1, f = F = 0, computed torque A = M, f = 1, F = c D.
-    ``kind`` CASCADE: the cascade P-P law with ``kp[0, 0]``, ``kv`` and the mean-difference rate.
-    """
-
-    kind: int
-    kp: Any  # (n, n) Kp
-    ki: Any  # (n, n) Ki
-    kd: Any  # (n, n) Kd
-    cutoff: float  # N of the derivative filter [rad/s]
-    output: Any  # (n, n) A
-    feedforward: float  # f [-]
-    friction: Any  # (n, n) F
-    transition: Any  # (n, n) observer, see observer.DiscreteObserver
-    from_position: Any
-    from_torque: Any
-    rate_from_state: Any
-    rate_from_position: Any
-    kv: float  # velocity gain of the cascade
-    limit: float  # of the command [unit of the command]
-
-
-# Rows of a controller's memory (8, n); the last five are scratch.
-LOW_PASSED, INTEGRAL, OBSERVED, ERROR, SLOPE, RATE, SERVO, READING = range(ROWS := 8)
-
-
-def initial_memory(controller: LoopController, position: Any) -> NDArray[np.float64]:
-    """Memory (8, n) of a controller that wakes up at ``position`` (n,), the machine at rest."""
-    memory = np.zeros((ROWS, len(position)))
-    if np.any(controller.rate_from_state):
-        memory[OBSERVED] = -np.linalg.solve(
-            controller.rate_from_state, controller.rate_from_position @ np.asarray(position)
-        )
-    return memory
-
-
-@compilation.part
-def control_step(
-    k: int,
-    reference: Any,
-    reference_acceleration: Any,
-    position: Any,
-    controller: LoopController,
-    dt: float,
-    memory: Any,
-    command: Any,
-) -> None:
-    """Write ``command[k]`` (n,) from the samples (samples, n) up to ``k``; moves ``memory`` on."""
-    low, integral, observed, error, slope, rates, servo, reading = memory
-    n = low.size
-    c = controller
-    if c.kind == CASCADE:
-        for j in range(n):
-            rate = (position[k, j] - position[max(k - 2, 0), j]) / (2.0 * dt)
-            value = control.cascade_p_p(reference[k, j], position[k, j], rate, c.kp[j, j], c.kv)
-            command[k, j] = control.clip(value, c.limit)
-        return
-    decay = control.derivative_decay(c.cutoff, dt)
-    for j in range(n):
-        reading[j] = position[k, j]
-        error[j] = reference[k, j] - reading[j]
-        slope[j] = control.filtered_derivative(error[j], low[j], c.cutoff)
-        low[j] = control.low_pass(error[j], low[j], decay)
-    for i in range(n):
-        rates[i] = control.observed_rate(
-            i, c.rate_from_state, c.rate_from_position, observed, reading
-        )
-        servo[i] = c.feedforward * reference_acceleration[k, i] + control.pid(
-            i, c.kp, c.ki, c.kd, error, integral, slope
-        )
-    for i in range(n):
-        value = control.inverse_dynamics(i, c.output, c.friction, servo, rates)
-        command[k, i] = control.clip(value, c.limit)
-        integral[i] += dt * error[i]
-    for i in range(n):  # the observer sees the torque of one sample ago, Fig. 4-2
-        rates[i] = command[k - 1, i] if k > 0 else 0.0
-    for i in range(n):
-        slope[i] = control.observer_next(
-            i, c.transition, c.from_position, c.from_torque, observed, reading, rates
-        )
-    for i in range(n):
-        observed[i] = slope[i]
 
 
 @compilation.kernel
@@ -142,8 +70,9 @@ def simulate(
     ``delivered[k]`` is the mean torque at the shafts during sample ``k``. The motors drive the first n shafts of
     the plant; a flexible plant has more. The encoders sit on n shafts from ``first_sensed`` on.
     """
+    sizes = drive_stack.sizes(plant, has_rare_effects(plant.element, plant.shaft))
     closed_loop(
-        reference, reference_acceleration, plant, drive_stack.sizes(plant), stack.axis(reference.shape[1]), controller, dt,
+        reference, reference_acceleration, plant, sizes, stack.axis(reference.shape[1]), controller, dt,
         substeps, lsb, memory, position, command, delivered, stack.axis(first_sensed),
     )  # fmt: skip
 
@@ -172,7 +101,10 @@ def closed_loop(
     n, shafts = len(sensors), len(sizes.shafts)
     samples = position.shape[0]
     plant = drive_stack.plant_on_stack(given, sizes)
-    memory = drive_stack.memory_on_stack(sensors, position)
+    law = controller_on_stack(controller, sensors)
+    wanted, wanted_acceleration = stack.borrowed(reference), stack.borrowed(reference_acceleration)
+    read, commanded = stack.borrowed(position), stack.borrowed(command)
+    memory = memory_on_stack(sensors, position)
     for j in range(n):
         memory[LOW_PASSED][j], memory[INTEGRAL][j] = start[LOW_PASSED, j], start[INTEGRAL, j]
         memory[OBSERVED][j] = start[OBSERVED, j]
@@ -181,11 +113,9 @@ def closed_loop(
         q[j] = position[0, j % n]
     for k in range(samples):
         for j in range(n):
-            position[k, j] = encoder.read(q[len(before) + j], lsb)
-        control_step(
-            k, reference, reference_acceleration, position, controller, dt, memory, command
-        )
-        advance(k, q, v, z, held, lag, torque, command, plant, dt, substeps, work)
+            read[k, j] = encoder.read(q[len(before) + j], lsb)
+        control_step(k, wanted, wanted_acceleration, read, law, dt, memory, commanded)
+        advance(k, q, v, z, held, lag, torque, commanded, plant, dt, substeps, work)
         for j in range(n):
             delivered[k, j] = torque[j]
 
@@ -233,16 +163,17 @@ def prediction(
     samples, n, shafts = position.shape[0], len(sensors), len(sizes.shafts)
     alpha, beta = correction_gains(bandwidth, dt)
     plant = drive_stack.plant_on_stack(given, sizes)
+    measured, commanded = stack.borrowed(position), stack.borrowed(command)
     q, v, z, held, lag, torque, work = drive_stack.state_on_stack(sizes, sensors, residual)
     for j in range(shafts):
         q[j] = position[0, j % n]
     for k in range(samples):
         for j in range(n):
-            residual[k, j] = position[k, j] - q[len(before) + j]
+            residual[k, j] = measured[k, j] - q[len(before) + j]
         for j in range(shafts):
             q[j] += alpha * residual[k, j % n]
             v[j] += beta * residual[k, j % n]
-        advance(k, q, v, z, held, lag, torque, command, plant, dt, substeps, work)
+        advance(k, q, v, z, held, lag, torque, commanded, plant, dt, substeps, work)
 
 
 @compilation.part

@@ -1,9 +1,24 @@
 """A drive's constants and state in arrays of known size, which compiled loops keep in registers."""
 
+from functools import cache
 from typing import Any, NamedTuple
 
 from . import compilation, stack
-from .drive import COUPLING_COLUMNS, ELEMENT_COLUMNS, SHAFT_COLUMNS, Drive
+from .drive import (
+    BREAKAWAY,
+    COUPLING_COLUMNS,
+    DELAY,
+    ELEMENT_COLUMNS,
+    FADE,
+    LAG,
+    LOAD_FRICTION,
+    RIPPLE_COS,
+    RIPPLE_SIN,
+    SHAFT_COLUMNS,
+    STIFFNESS,
+    VISCOUS_SKEW,
+    Drive,
+)
 
 
 class Sizes(NamedTuple):
@@ -12,12 +27,36 @@ class Sizes(NamedTuple):
     shafts: stack.Axis
     elements: stack.Axis
     couplings: stack.Axis
+    rare: stack.Axis  # empty for a drive without rare effects: the compiler leaves their lines out
 
 
-def sizes(plant: Drive) -> Sizes:
-    """Sizes of a drive's arrays."""
-    m, n = plant.elements.shape
-    return Sizes(stack.axis(n), stack.axis(m), stack.axis(len(plant.coupling)))
+def sizes(plant: Drive, rare: bool = True) -> Sizes:
+    """Sizes of a drive's arrays, and whether it may have rare effects."""
+    return _sizes(plant.elements.shape, len(plant.coupling), rare)
+
+
+@cache
+def _sizes(elements: tuple[int, int], couplings: int, rare: bool) -> Sizes:
+    m, n = elements
+    return Sizes(stack.axis(n), stack.axis(m), stack.axis(couplings), stack.axis(rare))
+
+
+@compilation.kernel
+def has_rare_effects(element: Any, shaft: Any) -> bool:
+    """Whether ``Drive.element`` and ``shaft`` hold an effect beyond viscous and dry friction, bias, gain and limit."""
+    for i in range(element.shape[0]):
+        row = element[i]
+        if row[VISCOUS_SKEW] != 0.0 or row[BREAKAWAY] != 0.0 or row[STIFFNESS] != 0.0:
+            return True
+        if row[FADE] != 0.0:
+            return True
+    for j in range(shaft.shape[0]):
+        row = shaft[j]
+        if row[LOAD_FRICTION] != 0.0 or row[RIPPLE_COS] != 0.0 or row[RIPPLE_SIN] != 0.0:
+            return True
+        if row[DELAY] != 0.0 or row[LAG] != 0.0:
+            return True
+    return False
 
 
 STAGES = stack.axis(2)
@@ -34,12 +73,28 @@ def plant_on_stack(given: Drive, sizes: Sizes) -> Drive:
         stack.matrix(sizes.shafts, SHAFT, given.shaft),
         stack.matrix(sizes.couplings, COUPLING, given.coupling),
     )
-    _copy(given.inertia_inverse, plant.inertia_inverse)
-    _copy(given.elements, plant.elements)
-    _copy(given.element, plant.element)
-    _copy(given.shaft, plant.shaft)
-    _copy(given.coupling, plant.coupling)
+    stack.copy(given.inertia_inverse, plant.inertia_inverse)
+    stack.copy(given.elements, plant.elements)
+    stack.copy(given.element, plant.element)
+    stack.copy(given.shaft, plant.shaft)
+    stack.copy(given.coupling, plant.coupling)
+    if len(sizes.rare) == 0:
+        _without_rare_effects(plant)
     return plant
+
+
+@compilation.inlined
+def _without_rare_effects(plant: Drive) -> None:
+    """Zeros that the compiler knows, so that it finds these effects left out."""
+    stack.clear(plant.element, VISCOUS_SKEW)
+    stack.clear(plant.element, BREAKAWAY)
+    stack.clear(plant.element, STIFFNESS)
+    stack.clear(plant.element, FADE)
+    stack.clear(plant.shaft, LOAD_FRICTION)
+    stack.clear(plant.shaft, RIPPLE_COS)
+    stack.clear(plant.shaft, RIPPLE_SIN)
+    stack.clear(plant.shaft, DELAY)
+    stack.clear(plant.shaft, LAG)
 
 
 @compilation.inlined
@@ -61,26 +116,4 @@ def state_on_stack(sizes: Sizes, actuated: stack.Axis, like: Any) -> tuple[Any, 
         stack.matrix(STAGES, actuated, like),
         stack.vector(n, like),
         (stack.vector(n, like), stages),
-    )
-
-
-@compilation.inlined
-def _copy(source: Any, target: Any) -> None:
-    for i in range(target.shape[0]):
-        for j in range(target.shape[1]):
-            target[i, j] = source[i, j]
-
-
-@compilation.inlined
-def memory_on_stack(sensors: stack.Axis, like: Any) -> tuple[Any, ...]:
-    """The eight rows of a controller's memory on the stack, zero."""
-    return (
-        stack.vector(sensors, like),
-        stack.vector(sensors, like),
-        stack.vector(sensors, like),
-        stack.vector(sensors, like),
-        stack.vector(sensors, like),
-        stack.vector(sensors, like),
-        stack.vector(sensors, like),
-        stack.vector(sensors, like),
     )

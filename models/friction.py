@@ -41,6 +41,8 @@ def viscous(v: Scalar, coefficient: Scalar, skew: Scalar = 0.0) -> Scalar:
 
     ``skew`` is what the coefficient has more at positive and less at negative speed.
     """
+    if skew == 0.0:
+        return coefficient * v
     return coefficient * v + skew * np.abs(v)
 
 
@@ -67,6 +69,8 @@ def sliding(v: Scalar, forward: Scalar, backward: Scalar, peak: Scalar, width: S
     """Dry friction of two levels, both raised by ``peak``: ``dry`` where the peak is known."""
     step = smooth_sign(v, width)
     mean = 0.5 * (forward + backward) + peak
+    if forward == backward:
+        return mean * step
     return mean * step + 0.5 * (forward - backward) * step * step
 
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from . import compilation, control, drive, drive_kernels
+from . import compilation, control, drive, drive_kernels, encoder
 from .drive import Drive
 
-compilation.register_laws(control, drive)
+compilation.register_laws(control, drive, encoder)
 
 
 @compilation.kernel
@@ -95,3 +95,43 @@ def move(
         after[:n], after[n : 2 * n], after[2 * n :], np.zeros(m), torques, t, plant, period, substeps,
         drive.work_arrays(n),
     )  # fmt: skip
+
+
+@compilation.kernel
+def advance_encoded(
+    command: Any,
+    t: float,
+    period: float,
+    substeps: int,
+    constants: Any,
+    elements: Any,
+    joined: Any,
+    state: Any,
+    measured: Any,
+) -> None:
+    """Move the state of an ``EncodedDrive`` on by a sample and read it; ``constants`` are its flat parameter."""
+    m, shafts = elements.shape
+    motors, c = command.size, joined.shape[0]
+    first = shafts * shafts
+    second = first + m * drive.ELEMENT_COLUMNS
+    third = second + shafts * drive.SHAFT_COLUMNS
+    plant = Drive(
+        constants[:first].reshape(shafts, shafts),
+        elements,
+        constants[first:second].reshape(m, drive.ELEMENT_COLUMNS),
+        constants[second:third].reshape(shafts, drive.SHAFT_COLUMNS),
+        np.empty((c, drive.COUPLING_COLUMNS)),
+    )
+    plant.coupling[:, : drive.COUPLING_STIFFNESS] = joined
+    plant.coupling[:, drive.COUPLING_STIFFNESS :] = constants[third:-1].reshape(
+        c, drive.COUPLING_COLUMNS - drive.COUPLING_STIFFNESS
+    )
+    q, v, z = state[:shafts], state[shafts : 2 * shafts], state[2 * shafts : 2 * shafts + m]
+    lag = state[2 * shafts + m :].reshape(2, motors)
+    torque = np.zeros(shafts)
+    drive.deliver_torques(0, command.reshape(1, motors), lag, period, plant, torque)
+    drive_kernels.move(
+        q, v, z, np.zeros(m), torque, t, plant, period, substeps, drive.work_arrays(shafts)
+    )
+    for j in range(motors):
+        measured[j] = encoder.read(q[j], constants[constants.size - 1])

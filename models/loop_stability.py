@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from . import compilation, drive
 from .drive import Drive
-from .drive_kernels import (
+from .drive_kernels import advance
+from .sampled_controller import (
     FEEDBACK,
     INTEGRAL,
     LOW_PASSED,
     OBSERVED,
     ROWS,
     LoopController,
-    advance,
     control_step,
 )
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, types
-from numba.extending import lower_builtin, type_callable
+from numba.extending import lower_builtin, register_jitable, type_callable
 from numba.np.arrayobj import make_array, populate_array
 from numpy.typing import NDArray
 
@@ -33,6 +33,46 @@ def vector(rows: Axis, like: Any) -> NDArray[np.float64]:
 def matrix(rows: Axis, columns: Axis, like: Any) -> NDArray[np.float64]:
     """Zeros (rows, columns)."""
     return np.zeros((len(rows), len(columns)))
+
+
+@register_jitable(inline="always")
+def copy(source: Any, target: Any) -> None:
+    """Copy a matrix into one of the same shape."""
+    for i in range(target.shape[0]):
+        for j in range(target.shape[1]):
+            target[i, j] = source[i, j]
+
+
+@register_jitable(inline="always")
+def clear(target: Any, column: int) -> None:
+    """Set a column of a matrix to zero."""
+    for i in range(target.shape[0]):
+        target[i, column] = 0.0
+
+
+def borrowed(array: Any) -> Any:
+    """The same array for as long as its owner keeps it: a loop need not count who holds it."""
+    return array
+
+
+@type_callable(borrowed)
+def _type_of_borrowed(context: Any) -> Any:
+    return lambda array: array
+
+
+@lower_builtin(borrowed, types.Array)
+def _borrow(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    source = make_array(signature.args[0])(context, builder, arguments[0])
+    array = make_array(signature.return_type)(context, builder)
+    populate_array(
+        array,
+        data=source.data,
+        shape=source.shape,
+        strides=source.strides,
+        itemsize=source.itemsize,
+        meminfo=None,
+    )
+    return array._getvalue()
 
 
 @type_callable(vector)

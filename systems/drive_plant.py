@@ -85,6 +85,7 @@ def DrivePlant_(T: Any) -> Any:
                 _never_zero(
                     element,
                     (
+                        drive_law.VISCOUS_SKEW,
                         drive_law.FORWARD,
                         drive_law.BACKWARD,
                         drive_law.BREAKAWAY,

@@ -2,7 +2,7 @@
 
 PD every 1 ms with zero-order hold and 13-bit encoders, dry friction by tanh, one ODE4 step a sample. Each
 contender writes what the encoders read and what the controller commands, (samples, 2) each.
-gapscope's source in Drake computes the reference while it runs; the others get it as samples.
+gapscope's diagram of blocks computes the reference while it runs; the others get it as samples.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ from ...diagrams.c_drive_config import PD, CDriveLoopConfig, Machine
 from ...diagrams.c_drive_loop import actuated_drive
 from ...models import drive_kernels, encoder
 from ...models.c_drive_controllers import loop_controller
-from . import drake_peers, other_peers
+from . import drake_peers, jaxonomy_peer, other_peers
 from .c_loop import NoCompilerError, c_loop
 from .peer_laws import Constants
 from .rounds import Contender, Group, Skipped, measure, rows
@@ -27,9 +27,10 @@ SAMPLES = 500
 # The same laws in other orders of sums, relative to each signal's largest value; a count of an
 # encoder is 7.7e-4 rad and would show as 1e-5.
 TOLERANCE = 1e-11
-OURS, DRAKE, PYTHON, C = (
+OURS, DRAKE, BLOCKS, PYTHON, C = (
     "gapscope compiled",
     "gapscope Drake diagram",
+    "gapscope Drake diagram of blocks",
     "plain Python",
     "C -O3 -march=native",
 )
@@ -41,6 +42,7 @@ PEERS = {
     "python-control": other_peers.python_control,
     "PathSim": other_peers.pathsim,
     "bdsim": other_peers.bdsim,
+    "jaxonomy": jaxonomy_peer.jaxonomy,
 }
 
 Signals = tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -91,7 +93,8 @@ def _contenders(config: CDriveLoopConfig, samples: int) -> tuple[list[Contender]
     loop = drive_kernels.simulate
     found = [
         Contender(name=OURS, run=_sampled(loop, config, samples)),
-        Contender(name=DRAKE, run=_drake(config, samples)),
+        Contender(name=DRAKE, run=_drake(_encoded(config, samples), config, samples)),
+        Contender(name=BLOCKS, run=_drake(_blocks(config), config, samples)),
         Contender(
             name=PYTHON, run=_sampled(interpreted(drive_kernels, "simulate"), config, samples)
         ),
@@ -134,6 +137,8 @@ def interpreted(module: ModuleType, name: str) -> Callable[..., Any]:
         plain = getattr(value, "py_func", value)
         if isinstance(plain, FunctionType) and plain.__module__ == module.__name__:
             space[key] = FunctionType(plain.__code__, space, key, plain.__defaults__)
+        elif isinstance(plain, FunctionType):  # from another module, whose own calls are of laws
+            space[key] = plain
     return space[name]
 
 
@@ -156,14 +161,24 @@ def _sampled(loop: Callable[..., Any], config: CDriveLoopConfig, samples: int) -
     return run
 
 
-def _drake(config: CDriveLoopConfig, samples: int) -> Callable[[], Signals]:
+def _encoded(config: CDriveLoopConfig, samples: int) -> Any:
+    from ...diagrams.c_drive_sampled_loop import c_drive_sampled_loop
+
+    return c_drive_sampled_loop(config, config.sample_time * samples)
+
+
+def _blocks(config: CDriveLoopConfig) -> Any:
+    from ...diagrams.c_drive_loop import c_drive_loop
+
+    return c_drive_loop(config)
+
+
+def _drake(diagram: Any, config: CDriveLoopConfig, samples: int) -> Callable[[], Signals]:
     """One simulation of the loop's Diagram with two logs; building the Diagram is not in it."""
     from pydrake.systems.framework import DiagramBuilder
 
-    from ...diagrams.c_drive_loop import c_drive_loop
-
     builder = DiagramBuilder()
-    loop = builder.AddSystem(c_drive_loop(config))
+    loop = builder.AddSystem(diagram)
     ports = [loop.GetOutputPort(name) for name in ("measured", "command")]
     return drake_peers.logged(builder, ports, config.sample_time, samples)
 

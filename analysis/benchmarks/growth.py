@@ -1,11 +1,15 @@
 """Group ``growth``: how the cost of what a diagnosis repeats grows with its sizes.
 
 Each row is one size of one axis; beside the largest stands the exponent p of time ~ size^p, fitted to the medians.
-Log length and joints: one prediction of a log, what every fit repeats. Parameter sets: closed loops in lanes.
+Log length and joints: one prediction of a log, what every fit repeats. Parameter sets: closed loops in lanes. Runs:
+predictions of several runs. Hypotheses: fits of one structure, repeated. Processes and Dask workers: eight cases shared
+among them, where -1 is the best there is.
 """
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
+from importlib.util import find_spec
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +17,7 @@ from numpy.typing import NDArray
 from ...diagrams.c_drive_loop import actuated_drive
 from ...models import chain_kernels, drive, drive_batch, drive_kernels
 from ...models.c_drive_controllers import loop_controller
-from . import closed_loop
+from . import closed_loop, growth_of_fits
 from .rounds import Contender, Group, Row, measure, rows
 
 NAME = "growth"
@@ -35,7 +39,11 @@ class Axis:
 
 def growth(rounds: int, axes: tuple[Axis, ...] | None = None) -> Group:
     """Time all sizes of all axes over ``rounds`` interleaved rounds."""
-    axes = usual_axes() if axes is None else axes
+    with ExitStack() as open_:
+        return _growth(rounds, usual_axes(open_) if axes is None else axes)
+
+
+def _growth(rounds: int, axes: tuple[Axis, ...]) -> Group:
     contenders = [
         Contender(name=f"{axis.name}: {size}", run=axis.make(size))
         for axis in axes
@@ -53,10 +61,11 @@ def growth(rounds: int, axes: tuple[Axis, ...] | None = None) -> Group:
     found: tuple[Row, ...] = rows(contenders, seconds, repeats, checks, None)
     return Group(
         name=NAME,
-        task="one prediction of a log (length, joints), closed loops in lanes (parameter sets)",
+        task="predictions of logs (length, joints, runs), closed loops in lanes (parameter sets), fits "
+        "(hypotheses), shared cases (processes, Dask workers)",
         rounds=rounds,
         reference=None,
-        agreement=f"exponent of log length and of parameter sets at most {MOST:g}",
+        agreement=f"exponent of log length, parameter sets, runs and hypotheses at most {MOST:g}",
         rows=found,
     )
 
@@ -72,12 +81,21 @@ def _checks(axis: Axis, seconds: NDArray[np.float64]) -> list[tuple[str, bool]]:
     return [("", True)] * (len(axis.sizes) - 1) + [(f"exponent {found:.2f}", fine)]
 
 
-def usual_axes() -> tuple[Axis, ...]:
-    """Log length in samples of two joints, parameter sets of 200 samples, joints of 1000 samples."""
+def usual_axes(open_: ExitStack) -> tuple[Axis, ...]:
+    """Log length in samples of two joints, sets of 200 samples, joints and runs of 1000 samples.
+
+    Dask workers only where ``distributed`` is installed; they are closed with ``open_``.
+    """
+    dask = growth_of_fits.of_dask_workers(open_)
+    shared = (Axis("Dask workers", (1, 2), dask, linear=False),)
     return (
         Axis("log length", (2_000, 8_000, 32_000, 128_000), _length, linear=True),
         Axis("parameter sets", (256, 1_024, 4_096), _sets, linear=True),
         Axis("joints", (1, 2, 4, 8), _joints, linear=False),
+        Axis("runs", (1, 2, 4, 8), growth_of_fits.of_runs, linear=True),
+        Axis("hypotheses", (1, 2, 4), growth_of_fits.of_hypotheses, linear=True),
+        Axis("processes", (1, 2), growth_of_fits.of_processes, linear=False),
+        *(shared if find_spec("distributed") else ()),
     )
 
 

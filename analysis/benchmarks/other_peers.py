@@ -16,7 +16,7 @@ Signals = tuple[NDArray[np.float64], NDArray[np.float64]]
 Run = Callable[[], Signals]
 
 # Sum and difference of the shafts' angles decouple the inertia. Without contacts and gravity.
-_MODEL = """<mujoco>
+MODEL = """<mujoco>
  <option timestep="{dt}" integrator="RK4" gravity="0 0 0"><flag contact="disable"/></option>
  <worldbody>
   <body><joint name="sum" axis="0 0 1"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 {sum}"/></body>
@@ -30,13 +30,19 @@ _MODEL = """<mujoco>
 </mujoco>"""
 
 
-def mujoco(c: Constants, reference: NDArray[np.float64]) -> Run:
-    """MuJoCo with its Runge-Kutta 4; it has no tanh friction, which is a Python callback per stage."""
+def mujoco_engine() -> Any:
+    """The module of MuJoCo, whose types are not checked. Raises ImportError where it is not installed."""
     import mujoco as engine
 
+    return engine
+
+
+def mujoco(c: Constants, reference: NDArray[np.float64]) -> Run:
+    """MuJoCo with its Runge-Kutta 4; it has no tanh friction, which is a Python callback per stage."""
+    engine = mujoco_engine()
     inertias = {"sum": 0.5 * (c.m11 + c.m12), "gap": 0.5 * (c.m11 - c.m12)}
     model = engine.MjModel.from_xml_string(
-        _MODEL.format(dt=repr(c.dt), **{key: repr(value) for key, value in inertias.items()})
+        MODEL.format(dt=repr(c.dt), **{key: repr(value) for key, value in inertias.items()})
     )
     data = engine.MjData(model)
 

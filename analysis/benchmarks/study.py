@@ -5,7 +5,16 @@ from pathlib import Path
 
 from ..datasets import VARIABLE
 from ..errors import InputError
-from . import closed_loop, diagnosis, growth, mechanisms, monte_carlo, start_up
+from . import (
+    closed_loop,
+    diagnosis,
+    first_diagnosis,
+    growth,
+    mechanisms,
+    monte_carlo,
+    one_fit,
+    start_up,
+)
 from .rounds import Group
 
 ROUNDS = {  # full, quick
@@ -14,6 +23,8 @@ ROUNDS = {  # full, quick
     mechanisms.NAME: (11, 3),
     growth.NAME: (11, 3),
     start_up.NAME: (31, 5),
+    first_diagnosis.NAME: (3, 1),
+    one_fit.NAME: (3, 1),
     diagnosis.NAME: (3, 1),
 }
 
@@ -37,6 +48,10 @@ def measured(name: str, quick: bool, open_sets: Path | None, sets: int | None = 
         return start_up.start_up(rounds)
     if open_sets is not None and not diagnosis.log_sets(open_sets):
         raise InputError("--open", f"no log sets in {open_sets}", "a folder of log set folders")
+    if name == first_diagnosis.NAME:
+        return first_diagnosis.first_diagnosis(open_sets or default_folder(), rounds)
+    if name == one_fit.NAME:
+        return one_fit.one_fit(open_sets or default_folder(), rounds)
     return diagnosis.diagnosis(open_sets or default_folder(), rounds)
 
 

@@ -17,6 +17,8 @@ class GroupName(StrEnum):
     robots = "mechanisms"
     sizes = "growth"
     start = "start-up"
+    first = "first-diagnosis"
+    fit = "one-fit"
     diagnosis = "diagnosis"
 
 
@@ -40,7 +42,7 @@ def bench(
         typer.Option(min=1, help="Parameter sets of monte-carlo; by default 20000, quick 1000."),
     ] = None,
 ) -> None:
-    """Time closed loop, Monte Carlo, mechanisms, growth, start-up and diagnosis in interleaved rounds; exit code 1 on disagreement."""
+    """Time closed loop, Monte Carlo, mechanisms, growth, start-up, one fit and diagnosis in interleaved rounds; exit code 1 on disagreement."""
     from rich.console import Console
 
     from ..benchmarks import report, study

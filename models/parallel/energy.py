@@ -8,6 +8,7 @@ and :math:`c_b = 0`; spatial ones have rows (x, y, z, w), with the angular veloc
 :math:`c_b = w \times I w` is the Boltzmann-Hamel term (3.64). Rigid, without friction. Leading axes are a batch.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -66,8 +67,7 @@ def spatial_equations(
 ) -> Equations:
     """As ``equations``; inertias (bodies, 6) xx, yy, zz, xy, xz, yz in each body's axes; gravity along -z."""
     m = np.asarray(mass, dtype=float)
-    moments, axes = np.linalg.eigh(inertia_tensor(inertia))
-    into = np.swapaxes(axes, -1, -2)  # principal axes, in which the mass matrix is diagonal
+    moments, into = _principal(np.ascontiguousarray(inertia, dtype=float).tobytes())
     j, drift = motion.jacobian.copy(), motion.drift.copy()
     j[..., 3:, :] = into @ j[..., 3:, :]
     drift[..., 3:] = np.einsum("bij,...bj->...bi", into, drift[..., 3:])
@@ -79,6 +79,15 @@ def spatial_equations(
     turning = body_moment(spin, np.zeros(3), moments[:, :, None] * np.eye(3))
     gyroscopic = np.einsum("...bki,...bk->...i", j[..., 3:, :], turning)
     return found._replace(velocity=found.velocity + gyroscopic)
+
+
+@lru_cache(maxsize=64)
+def _principal(inertia: bytes) -> tuple[Floats, Floats]:
+    """Moments (bodies, 3) and rotations (bodies, 3, 3) into principal axes, in which the mass matrix is diagonal."""
+    moments, axes = np.linalg.eigh(inertia_tensor(np.frombuffer(inertia).reshape(-1, 6)))
+    into = np.swapaxes(axes, -1, -2)
+    moments.flags.writeable = into.flags.writeable = False
+    return moments, into
 
 
 def regressor(motion: Motion, acceleration: ArrayLike, weight: float) -> Floats:

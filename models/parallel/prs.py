@@ -19,8 +19,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import rotation
+from . import leg_kernels
 from .energy import Equations, SpatialMotion, spatial_equations
+from .legs import Legs
 
 Floats = NDArray[np.float64]
 Z = np.array([0.0, 0.0, 1.0])
@@ -79,6 +80,16 @@ class Table:
         solved = np.asarray(-np.linalg.pinv(across[:, :2]), dtype=np.float64)
         return np.cross(across[:, 0], across[:, 1]), solved
 
+    @cached_property
+    def legs(self) -> Legs:
+        """What the compiled loops take."""
+        share, solved = self.planes
+        return Legs(
+            *(self.radial, self.along, self.across, share, solved),
+            *(float(self.start), float(self.bar), float(self.radius)),
+            np.array(self.platform_centre, dtype=float),
+        )
+
     @property
     def masses(self) -> Floats:
         """Of BODIES (7,) [kg]."""
@@ -103,22 +114,13 @@ class Pose(NamedTuple):
 
 def pose(task: ArrayLike, table: Table) -> Pose:
     """Pose at tasks (..., 3) of z [m], psi and theta [rad]; x, y and phi from the leg planes (2)."""
-    x = np.asarray(task, dtype=float)
-    z, psi, theta = x[..., 0], x[..., 1], x[..., 2]
-    across, arms = table.across, table.radius * table.radial
-    share, solved = table.planes
-    tilted = rotation.platform(psi, theta, 0.0 * psi)
-    a, b = (
-        np.einsum("k,ki,...ij,kj->...", share, across, tilted, arm)
-        for arm in (arms, table.radius * across)
+    batch, x = _flat(task)
+    count = len(x)
+    found = Pose(
+        np.empty((count, 3)), np.empty((count, 3, 3)), np.empty(count), np.empty((count, 3, 3))
     )
-    phi = np.arctan(-a / b)
-    turned = rotation.platform(psi, theta, phi)
-    reach = np.einsum("...ij,kj->...ki", turned, arms)
-    off = np.einsum("ki,...ki->...k", across, reach)
-    shift = np.einsum("ik,...k->...i", solved, off)
-    position = np.concatenate([shift, z[..., None]], axis=-1)
-    return Pose(position, turned, phi, position[..., None, :] + reach)
+    leg_kernels.pose_all(x, table.legs, *found)
+    return Pose(*(part.reshape(batch + part.shape[1:]) for part in found))
 
 
 def inverse(task: ArrayLike, table: Table, modes: tuple[int, int, int] = (-1, -1, -1)) -> Floats:
@@ -126,17 +128,18 @@ def inverse(task: ArrayLike, table: Table, modes: tuple[int, int, int] = (-1, -1
 
     Mode -1 has that bar lead ahead of its slider, +1 has it trail behind.
     """
-    to_joint = pose(task, table).joints - table.start * table.radial
-    ahead = np.einsum("ki,...ki->...k", table.along, to_joint)
-    square = np.einsum("...ki,...ki->...k", to_joint, to_joint)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(ahead + np.array(modes) * np.sqrt(ahead**2 - square + table.bar**2))
+    batch, x = _flat(task)
+    out = np.empty_like(x)
+    leg_kernels.inverse_all(x, table.legs, np.array(modes, dtype=float), out)
+    return out.reshape(*batch, 3)
 
 
 def bars(at: Pose, sliders: ArrayLike, table: Table) -> Floats:
     """Vectors l_i (..., 3, 3) from slider to joint [m]."""
-    q = np.asarray(sliders, dtype=float)
-    return np.asarray(at.joints - table.start * table.radial - q[..., None] * table.along)
+    batch, q = _flat(sliders)
+    out = np.empty((len(q), 3, 3))
+    leg_kernels.bars_all(np.ascontiguousarray(at.joints).reshape(-1, 3, 3), q, table.legs, out)
+    return out.reshape(*batch, 3, 3)
 
 
 def slopes(at: Pose, sliders: ArrayLike, table: Table) -> Floats:
@@ -152,19 +155,12 @@ def forward(
 
     NaN where it does not converge: out of reach, or beyond a singularity.
     """
-    q = np.asarray(sliders, dtype=float)
+    batch, q = _flat(sliders)
     level = np.array([table.home, 0.0, 0.0])
-    x = np.broadcast_to(level if guess is None else np.asarray(guess, dtype=float), q.shape).copy()
-    error = np.full(q.shape, np.nan)
-    with np.errstate(all="ignore"):
-        for _ in range(30):
-            error = q - inverse(x, table)
-            if not np.nanmax(np.abs(error), initial=0.0) > tolerance:
-                break
-            x = x + np.einsum("...ij,...j->...i", task_jacobian(x, q - error, table), error)
-            x[np.abs(x).max(axis=-1) > 10.0] = np.nan
-    x[~(np.abs(error).max(axis=-1) <= max(tolerance, 1e-12))] = np.nan
-    return x
+    start = level if guess is None else np.asarray(guess, dtype=float)
+    x = np.broadcast_to(start, (*batch, 3)).reshape(-1, 3).copy()
+    leg_kernels.forward_all(q, table.legs, tolerance, x)
+    return x.reshape(*batch, 3)
 
 
 class Twist(NamedTuple):
@@ -176,61 +172,35 @@ class Twist(NamedTuple):
 
 def twist(at: Pose, sliders: ArrayLike, table: Table) -> Twist:
     """Solve (3) for the platform; rows are scaled by bar length and joint radius."""
-    l = bars(at, sliders, table)  # noqa: E741
-    arms = at.joints - at.position[..., None, :]
-    across = np.broadcast_to(table.across, l.shape)
-    left = np.concatenate(
-        [
-            np.concatenate([row, rotation.cross(arms, row)], axis=-1)
-            for row in (l / table.bar, across)
-        ],
-        axis=-2,
-    )
-    right = np.zeros((*l.shape[:-2], 6, 3))
-    driven = np.einsum("...ki,ki->...k", l, table.along) / table.bar
-    right[..., (0, 1, 2), (0, 1, 2)] = driven
-    left_scaled = left * np.array([1.0] * 3 + [1.0 / table.radius] * 3)
-    return Twist(_solve(left, right), left_scaled)
+    batch, q = _flat(sliders)
+    jacobian, constraint = np.empty((len(q), 6, 3)), np.empty((len(q), 6, 6))
+    position = np.ascontiguousarray(at.position).reshape(-1, 3)
+    joints = np.ascontiguousarray(at.joints).reshape(-1, 3, 3)
+    leg_kernels.twist_all(position, joints, q, table.legs, jacobian, constraint)
+    scaled = constraint * np.array([1.0] * 3 + [1.0 / table.radius] * 3)
+    return Twist(jacobian.reshape(*batch, 6, 3), scaled.reshape(*batch, 6, 6))
 
 
 def task_jacobian(task: ArrayLike, sliders: ArrayLike, table: Table) -> Floats:
     """Rates of (z, psi, theta) per slider rate (..., 3, 3)."""
-    x = np.asarray(task, dtype=float)
-    at = pose(x, table)
-    j = twist(at, sliders, table).jacobian
-    rates = rotation.platform_rates(x[..., 1], x[..., 2], at.phi)
-    body = np.einsum("...ji,...jk->...ik", at.rotation, j[..., 3:, :])
-    angles = _solve(rates, body)
-    return np.concatenate([j[..., 2:3, :], angles[..., :2, :]], axis=-2)
+    batch, x = _flat(task)
+    _, q = _flat(sliders)
+    out = np.empty((len(x), 3, 3))
+    leg_kernels.jacobian_all(x, q, table.legs, out)
+    return out.reshape(*batch, 3, 3)
 
 
 def motion(task: ArrayLike, rates: ArrayLike, table: Table) -> SpatialMotion:
     """Motion of BODIES at tasks (..., 3) and slider rates (..., 3) [m/s]."""
-    x, v = np.asarray(task, dtype=float), np.asarray(rates, dtype=float)
-    at, q = pose(x, table), inverse(x, table)
-    l = bars(at, q, table)  # noqa: E741
-    normal = rotation.cross(table.across, l)  # dl / dgamma
-    solved = twist(at, q, table)
-    moving = np.einsum("...ij,...j->...i", solved.jacobian, v)
-    spin = moving[..., 3:]
-    arms = at.joints - at.position[..., None, :]
-    centripetal = rotation.cross(spin[..., None, :], rotation.cross(spin[..., None, :], arms))
-    joint_rows = _point(solved.jacobian[..., None, :, :], arms)
-    slide_rows = table.along[:, :, None] * np.eye(3)[:, None, :]
-    # gamma' = n . (B' - rho' d) / L^2, and the same for its rate.
-    turn_rows = np.einsum("...ki,...kij->...kj", normal, joint_rows - slide_rows) / table.bar**2
-    turn = np.einsum("...kj,...j->...k", turn_rows, v)
-    inward = turn**2 * table.bar
-    along_bar = np.einsum("...ki,...ki->...k", l, centripetal) / table.bar
-    sideways = np.einsum("ki,...ki->...k", table.across, centripetal)
-    bias = _solve(
-        _rows(solved, table), -np.concatenate([along_bar + inward, sideways], axis=-1)[..., None]
-    )[..., 0]
-    joint_bias = bias[..., None, :3] + rotation.cross(bias[..., None, 3:], arms) + centripetal
-    turn_bias = np.einsum("...ki,...ki->...k", normal, joint_bias) / table.bar**2
-    return _assemble(
-        at, table, (solved.jacobian, bias, spin), (l, normal, turn_rows, turn, turn_bias)
+    task, rates = np.broadcast_arrays(np.asarray(task, dtype=float), np.asarray(rates, dtype=float))
+    batch, x = _flat(task)
+    _, v = _flat(rates)
+    count = len(x)
+    found = SpatialMotion(
+        np.zeros((count, 7, 6, 3)), np.zeros((count, 7, 6)), np.zeros((count, 7, 3))
     )
+    leg_kernels.motion_all(x, v, table.legs, *found)
+    return SpatialMotion(*(part.reshape(batch + part.shape[1:]) for part in found))
 
 
 def dynamics(
@@ -244,47 +214,7 @@ def dynamics(
     return spatial_equations(motion(x, rates, table), table.masses, table.inertias, table.weight)
 
 
-def _assemble(at, table, platform, legs) -> SpatialMotion:  # type: ignore[no-untyped-def]
-    twist_rows, bias, spin = platform
-    l, normal, turn_rows, turn, turn_bias = legs  # noqa: E741
-    batch = l.shape[:-2]
-    jacobian = np.zeros((*batch, 7, 6, 3))
-    drift, spins = np.zeros((*batch, 7, 6)), np.zeros((*batch, 7, 3))
-    slide_rows = table.along[:, :, None] * np.eye(3)[:, None, :]
-    half = 0.5 * normal
-    jacobian[..., :3, :3, :] = slide_rows + half[..., :, None] * turn_rows[..., None, :]
-    jacobian[..., :3, 3, :] = turn_rows
-    drift[..., :3, :3] = half * turn_bias[..., None] - 0.5 * l * (turn**2)[..., None]
-    drift[..., :3, 3] = turn_bias
-    spins[..., :3, 0] = turn
-    arm = np.einsum("...ij,j->...i", at.rotation, np.array(table.platform_centre))
-    jacobian[..., 3, :3, :] = _point(twist_rows, arm)
-    drift[..., 3, :3] = (
-        bias[..., :3]
-        + rotation.cross(bias[..., 3:], arm)
-        + rotation.cross(spin, rotation.cross(spin, arm))
-    )
-    into_body = np.swapaxes(at.rotation, -1, -2)
-    jacobian[..., 3, 3:, :] = into_body @ twist_rows[..., 3:, :]
-    drift[..., 3, 3:] = np.einsum("...ij,...j->...i", into_body, bias[..., 3:])
-    spins[..., 3, :] = np.einsum("...ij,...j->...i", into_body, spin)
-    jacobian[..., 4:, :3, :] = slide_rows
-    return SpatialMotion(jacobian, drift, spins)
-
-
-def _rows(solved: Twist, table: Table) -> Floats:
-    return solved.constraint * np.array([1.0] * 3 + [table.radius] * 3)
-
-
-def _point(twist_rows: Floats, arm: Floats) -> Floats:
-    """Velocity rows (..., 3, n) of a point at ``arm`` (..., 3) from the reference point."""
-    turning = rotation.cross(np.swapaxes(twist_rows[..., 3:, :], -1, -2), arm[..., None, :])
-    return np.asarray(twist_rows[..., :3, :] + np.swapaxes(turning, -1, -2))
-
-
-def _solve(left: Floats, right: Floats) -> Floats:
-    """As ``numpy.linalg.solve``, with NaN for singular matrices and for matrices of NaN."""
-    usable = np.asarray(np.isfinite(left).all(axis=(-1, -2)))
-    usable &= np.abs(np.linalg.det(np.where(usable[..., None, None], left, 0.0))) > 0.0
-    safe = np.where(usable[..., None, None], left, np.eye(left.shape[-1]))
-    return np.asarray(np.where(usable[..., None, None], np.linalg.solve(safe, right), np.nan))
+def _flat(vectors: ArrayLike) -> tuple[tuple[int, ...], Floats]:
+    """The batch's shape, and its vectors (..., 3) as one contiguous array (batch, 3)."""
+    values = np.ascontiguousarray(vectors, dtype=float)
+    return values.shape[:-1], values.reshape(-1, 3)

@@ -13,6 +13,8 @@ orientation; (3) is kept as its witness. Leading axes are a batch.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .legs import platform_rate_rows, platform_rows
+
 Floats = NDArray[np.float64]
 
 # Places of xx, yy, zz, xy, xz, yz in a tensor.
@@ -31,13 +33,7 @@ def cross(a: ArrayLike, b: ArrayLike) -> Floats:
 
 def platform(psi: ArrayLike, theta: ArrayLike, phi: ArrayLike) -> Floats:
     """R (..., 3, 3) of rotations psi, theta, phi [rad] about x, y, z, platform to world (3.42)."""
-    s1, s2, s3 = (np.sin(np.asarray(angle, dtype=float)) for angle in (psi, theta, phi))
-    c1, c2, c3 = (np.cos(np.asarray(angle, dtype=float)) for angle in (psi, theta, phi))
-    rows = (
-        (c2 * c3 + s1 * s2 * s3, -c2 * s3 + s1 * s2 * c3, c1 * s2),
-        (c1 * s3, c1 * c3, -s1),
-        (-s2 * c3 + s1 * c2 * s3, s2 * s3 + s1 * c2 * c3, c1 * c2),
-    )
+    rows = platform_rows(*(np.asarray(angle, dtype=float) for angle in (psi, theta, phi)))
     out = np.empty((*np.shape(rows[0][0]), 3, 3))
     for i, row in enumerate(rows):
         for j, entry in enumerate(row):
@@ -51,10 +47,10 @@ def platform_rates(psi: ArrayLike, theta: ArrayLike, phi: ArrayLike) -> Floats:
     At phi = 0 its first two columns are (B.57): w = (psi', cos(psi) theta', -sin(psi) theta').
     """
     psi, theta, phi = np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in (psi, theta, phi)))
-    out = np.zeros((*phi.shape, 3, 3))
-    out[..., 0, 0], out[..., 1, 0] = np.cos(phi), -np.sin(phi)
-    out[..., 0, 1], out[..., 1, 1] = np.sin(phi) * np.cos(psi), np.cos(phi) * np.cos(psi)
-    out[..., 2, 1], out[..., 2, 2] = -np.sin(psi), 1.0
+    out = np.empty((*phi.shape, 3, 3))
+    for i, row in enumerate(platform_rate_rows(psi, phi)):
+        for j, entry in enumerate(row):
+            out[..., i, j] = entry
     return out
 
 

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from gapscope.models import c_drive, drive, drive_batch, drive_kernels
-from gapscope.models.c_drive_controllers import PD, loop_controller
+from gapscope.models.c_drive_controllers import PD, feedback, loop_controller
 from gapscope.models.lanes import LANES
 
 DT, SAMPLES, SETS = 1e-3, 150, LANES + 3
 # Sums in another order and tanh and exp of four last places, grown by the loop over 150 samples.
 TOLERANCE = 1e-11
+# Each impact in a clearance multiplies what the motions differ by before it.
+IMPACTS = 1e-9
 
 
 def plants(rng):
@@ -59,15 +61,59 @@ def sets(request):
     return found
 
 
-def single_loop(task, plant, lsb):
+def single_loop(task, plant, lsb, substeps=2, first_sensed=0):
     reference, acceleration, controller = task
-    position, command, delivered = (np.zeros((SAMPLES, 2)) for _ in range(3))
+    position, command, delivered = (np.zeros(reference.shape) for _ in range(3))
     position[0] = 0.1
     memory = drive_kernels.initial_memory(controller, position[0])
     drive_kernels.simulate(
-        reference, acceleration, plant, controller, DT, 2, lsb, memory, position, command, delivered
-    )
+        reference, acceleration, plant, controller, DT, substeps, lsb, memory, position, command,
+        delivered, first_sensed,
+    )  # fmt: skip
     return position, command
+
+
+def flexible(rng):
+    """A motor that drives a load through a clearance, with Stribeck decays of other exponents."""
+    inertia = np.diag([1e-3, 4e-3])
+    sets = drive_batch.repeated(drive.ideal_drive(inertia, np.eye(2), 5e-3, 0.5), SETS)
+    element = sets.element
+    element[:, :, drive.FORWARD] = rng.uniform(0.05, 0.1, (SETS, 2))
+    element[:, :, drive.BACKWARD] = element[:, :, drive.FORWARD]
+    element[:, :, drive.BREAKAWAY] = rng.uniform(0.01, 0.04, (SETS, 2))
+    element[:, :, drive.STRIBECK_SPEED] = rng.uniform(1.0, 3.0, (SETS, 2))
+    element[:, :, drive.STRIBECK_EXPONENT] = rng.uniform(0.7, 1.6, (SETS, 2))
+    element[::4, :, drive.STRIBECK_EXPONENT] = 2.0
+    joined = np.zeros((SETS, 1, drive.COUPLING_COLUMNS))
+    joined[:, :, drive.TO_SHAFT] = 1.0
+    joined[:, 0, drive.COUPLING_STIFFNESS] = rng.uniform(30.0, 60.0, SETS)
+    joined[:, 0, drive.COUPLING_DAMPING] = rng.uniform(0.01, 0.03, SETS)
+    joined[:, 0, drive.GAP] = rng.uniform(0.01, 0.03, SETS)
+    return sets._replace(coupling=joined)
+
+
+def test_flexible_drives_in_lanes_are_those_of_the_loop_of_one():
+    """A coupling with clearance, the encoder on the load, Stribeck decays of exponents from 0.7 to 2."""
+    sets = flexible(np.random.default_rng(5))
+    reference = np.sin(30.0 * DT * np.arange(SAMPLES))[:, None] ** 2 + 0.1
+    one_by_one = np.eye(1)
+    controller = feedback(
+        kp=2.0 * one_by_one, ki=0.0 * one_by_one, kd=0.05 * one_by_one, cutoff=600.0,
+        output=one_by_one,
+    )  # fmt: skip
+    task = reference, np.zeros_like(reference), controller
+    found = drive_batch.simulate(
+        *task[:2], sets, controller, DT, 2, 0.0, np.array([0.1]), first_sensed=1
+    )
+    logs = [single_loop(task, one(sets, i), 0.0, first_sensed=1) for i in range(SETS)]
+    for i, (position, _) in enumerate(logs):
+        wanted = np.sqrt(np.mean((reference - position) ** 2, axis=0))
+        np.testing.assert_allclose(found.error_rms[i], wanted, rtol=IMPACTS)
+    ahead = drive_batch.predict(*logs[0], sets, DT, 2, 60.0, first_sensed=1)
+    residual = np.empty((SAMPLES, 1))
+    for i in range(SETS):
+        drive_kernels.predict(*logs[0], one(sets, i), DT, 2, 60.0, residual, 1)
+        np.testing.assert_allclose(ahead[i], residual, rtol=0.0, atol=IMPACTS)
 
 
 def test_each_set_is_tracked_as_by_the_loop_of_one(sets, task):

@@ -14,9 +14,12 @@ from gapscope.analysis.benchmarks import (
     c_loop,
     closed_loop,
     diagnosis,
+    first_diagnosis,
+    fit_peers,
     growth,
     mechanisms,
     monte_carlo,
+    one_fit,
     report,
     rounds,
     start_up,
@@ -24,7 +27,7 @@ from gapscope.analysis.benchmarks import (
 )
 from gapscope.analysis.cli import app
 from gapscope.analysis.errors import InputError
-from gapscope.models import drive_kernels
+from gapscope.models import drive, drive_kernels
 
 SAMPLES = 60
 
@@ -66,6 +69,7 @@ def test_all_loops_agree(measured):
     assert {row.name for row in measured.rows} >= {
         closed_loop.OURS,
         closed_loop.DRAKE,
+        closed_loop.BLOCKS,
         closed_loop.PYTHON,
         "Drake, plain Python leaves",
         "Drake C++ primitives",
@@ -259,6 +263,50 @@ def test_diagnoses_that_differ_are_found(tmp_path, monkeypatch):
     verdicts = chain(["explained"], repeat("ambiguous"))
     (row,) = diagnosis.diagnosis(tmp_path, 1).rows
     assert not row.agrees
+
+
+def test_groups_that_need_a_log_set_are_skipped_without_it(tmp_path):
+    for group in (one_fit.one_fit(tmp_path, 1), first_diagnosis.first_diagnosis(None, 1)):
+        assert group.rows == ()
+        assert "give --open DIR" in group.skipped[0].reason
+
+
+@pytest.fixture(scope="module")
+def fitted_log():
+    """What a drive of known numbers does under a wave of torque, read without error."""
+    numbers = fit_peers.Numbers([[900.0, 100.0], [100.0, 900.0]], [4e-3] * 3, [0.05] * 3, [0.5] * 3)
+    t = 1e-3 * np.arange(80)
+    command = np.column_stack([np.sin(60.0 * t), np.cos(45.0 * t)])
+    state, position = [0.0, 0.0, 0.0, 0.0], []
+    for torque in command:
+        position.append(state[:2])
+        state = fit_peers.ode4(numbers, state, torque, 1e-3)
+    return numbers, fit_peers.log_of(np.array(position), command, 1e-3, 100.0)
+
+
+@pytest.mark.parametrize("peer", ["ours", "drake", "mujoco"])
+def test_every_predictor_finds_a_true_model_without_error(peer, fitted_log):
+    """and sees one part in a hundred of the dry friction of the collar."""
+    numbers, log = fitted_log
+    if peer == "ours":
+
+        def residual(n):
+            plant = drive.ideal_drive(
+                np.linalg.inv(n.inverse), [[1, 0], [0, 1], [1, -1]], n.viscous, 0.5
+            )
+            plant.element[:, drive.FORWARD] = plant.element[:, drive.BACKWARD] = n.level
+            error = np.empty_like(log.position)
+            drive_kernels.predict(log.position, log.command, plant, log.dt, 1, 100.0, error)
+            return error
+
+    else:
+        if peer == "mujoco":
+            pytest.importorskip("mujoco")
+        residual = {"drake": fit_peers.by_drake, "mujoco": fit_peers.by_mujoco}[peer](log)
+    scale = np.abs(log.position).max()
+    assert np.abs(residual(numbers)).max() < 1e-11 * scale
+    wrong = numbers._replace(level=[0.05, 0.05, 0.0505])
+    assert np.abs(residual(wrong)).max() > 1e-8 * scale
 
 
 def test_start_up_needs_the_right_output(monkeypatch):
