@@ -17,8 +17,8 @@ from typing import Any
 from . import blind_machine
 from .blind_machine.case import SINGLE
 from .files import output_folder, write_whole
-from .gap.diagnosis import Diagnosis
 from .gap.report import write_report
+from .gap.result import Diagnosis
 
 DATA = "GAPSCOPE_DATA"
 EMPS = "emps"  # folder of the log set inside it

@@ -8,8 +8,9 @@ import sys
 from pathlib import Path
 
 from ..demo import SealedCase, named, sealed_case
-from ..gap.diagnosis import Diagnosis, diagnose
+from ..gap.diagnosis import diagnose
 from ..gap.picture import shrinkage_picture
+from ..gap.result import Diagnosis
 
 
 def main(folder: Path, seed: int = 7) -> tuple[SealedCase, Diagnosis]:

@@ -10,8 +10,9 @@ import numpy as np
 import yaml
 
 from ...diagrams.c_drive_config import CDriveLoopConfig
-from ..gap.diagnosis import Diagnosis, diagnose
+from ..gap.diagnosis import diagnose
 from ..gap.picture import shrinkage_picture
+from ..gap.result import Diagnosis
 from ..simulation import simulate_c_drive, write_c_drive_run
 
 MOTIONS = ("translation", "rotation", "helical")

@@ -8,11 +8,12 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from ..gap.diagnosis import Diagnosis, diagnose
+from ..gap.diagnosis import diagnose
 from ..gap.effects import Form, parameter
 from ..gap.machine import RunData
 from ..gap.machines import KINDS
 from ..gap.picture import shrinkage_picture
+from ..gap.result import Diagnosis
 from .arm import Arm, write_log
 from .arm_runs import read
 from .own_robot import ArmMachine

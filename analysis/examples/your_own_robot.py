@@ -10,8 +10,9 @@ run, and a ``logset.yaml`` (see ``analysis/gap/machines/README.md``).
 import sys
 from pathlib import Path
 
-from ..gap.diagnosis import Diagnosis, diagnose
+from ..gap.diagnosis import diagnose
 from ..gap.picture import shrinkage_picture
+from ..gap.result import Diagnosis
 from ..two_joint_robot import record
 
 HIDDEN = (0.4, 0.0)  # dry friction of shoulder and elbow that the model file lacks [N m]

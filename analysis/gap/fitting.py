@@ -56,7 +56,8 @@ def fit(
         losses, samples = warm.losses * np.mean(residual**2) / warm.rms**2, warm.samples
     held_out = float(np.sqrt(losses.sum() / samples.sum()))
     spread = predictor.machine.spread(predictor.runs)
-    deviation, importance = _information(problem, jac, residual, x)
+    variance = _variance(final, x.size)
+    deviation, importance = _information(problem, jac, residual, x, variance)
     if problem.rough:  # the slopes between impacts say nothing of how far a parameter may be off
         deviation = np.full(x.size, np.nan)
     return Fit(
@@ -109,7 +110,7 @@ def _held_out(
     residual = flatten(final)
     active = np.logical_not(at_bound)
     # Directions that the data leave free stay inside the bounds by their prior, as in ``_information``.
-    variance = _variance(residual, x.size)
+    variance = _variance(final, x.size)
     prior = variance * 12.0 / np.square(problem.upper - problem.lower)[active]
     ridge = np.diag(prior + 1e-9 * max(float(np.sum(jac**2)), 1e-300))
     hessian, gradient = jac[:, active].T @ jac[:, active], jac[:, active].T @ residual
@@ -158,7 +159,9 @@ def _loss_without(residuals: Sequence[Array], run: int, piece: slice) -> float:
     return float(sum(np.sum(r**2) for r in residuals) - np.sum(residuals[run][piece] ** 2))
 
 
-def _information(problem: Problem, jac: Array, residual: Array, x: Array) -> tuple[Array, Array]:
+def _information(
+    problem: Problem, jac: Array, residual: Array, x: Array, variance: float
+) -> tuple[Array, Array]:
     """Standard deviations and importances from the Gauss-Newton Hessian.
 
     Samples count as far as the residual is uncorrelated; a bounded parameter has a uniform prior.
@@ -166,7 +169,6 @@ def _information(problem: Problem, jac: Array, residual: Array, x: Array) -> tup
     if x.size == 0:
         return np.zeros(0), np.zeros(0)
     loss = max(float(residual @ residual), 1e-300)
-    variance = _variance(residual, x.size)
     prior = 12.0 / np.square(problem.upper - problem.lower)
     hessian = jac.T @ jac
     spread = np.diag(np.linalg.pinv(hessian / variance + np.diag(prior), hermitian=True))
@@ -176,14 +178,23 @@ def _information(problem: Problem, jac: Array, residual: Array, x: Array) -> tup
     return np.sqrt(np.maximum(spread, 0.0)), importance
 
 
-def _variance(residual: Array, parameters: int) -> float:
-    """Variance of one independent sample's worth of residual."""
-    loss = max(float(residual @ residual), 1e-300)
-    return loss / max(effective_samples(residual), parameters + 1.0)
+def _variance(residuals: Sequence[Array], parameters: int) -> float:
+    """Variance of one independent sample's worth of the residuals (samples, n) of some runs."""
+    columns = np.concatenate(residuals)
+    loss = max(float(np.sum(columns**2)), 1e-300)
+    return loss / max(effective_samples(columns), parameters + 1.0)
 
 
 def effective_samples(residual: Array) -> float:
-    """Number of independent samples worth of a correlated residual (initial positive sequence)."""
+    """Number of independent values worth of a residual (samples, n) correlated in time.
+
+    Columns are counted one by one: interleaved they would look uncorrelated.
+    """
+    return float(sum(_effective(column) for column in residual.T))
+
+
+def _effective(residual: Array) -> float:
+    """``effective_samples`` of one column (initial positive sequence)."""
     centred = residual - residual.mean()
     size = centred.size
     spectrum = np.abs(np.fft.rfft(centred, 2 * size)) ** 2

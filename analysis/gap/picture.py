@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from .diagnosis import Diagnosis
+from .result import Diagnosis
 
 BLUE, GREEN, GREY, BLACK = "#0072B2", "#009E73", "#999999", "#333333"  # Okabe-Ito
 

@@ -3,7 +3,7 @@
 from rich.console import Console
 from rich.table import Table
 
-from .diagnosis import Diagnosis
+from .result import Diagnosis
 from .shrinkage import LEVELS, Interval
 
 ROWS = 6

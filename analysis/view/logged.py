@@ -8,7 +8,7 @@ import numpy as np
 from ...models import c_drive
 from ..errors import InputError
 from ..gap.chain_machine import ChainMachine
-from ..gap.diagnosis import Diagnosis
+from ..gap.result import Diagnosis
 from .skeletons import Floats, Skeleton, skeleton
 
 Coordinates = Callable[[Floats], Floats]

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import InputError
-from ..gap.diagnosis import Diagnosis
 from ..gap.machine import RunData
 from ..gap.machines.serial_arm import ArmRun
+from ..gap.result import Diagnosis
 from ..gap.step_machine import MoveRun
 from .logged import pictured
 from .skeletons import Floats, Skeleton

@@ -23,7 +23,6 @@ from ..prediction import Predictor
 from .limits import drive_of
 
 STEP = 1e-4  # of finite differences, in parameter scales
-NOT_FINITE = 1e3  # rms prediction error, over the noise, above which a linear refit means nothing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +51,8 @@ class Side:
         self._upper = np.array([p.upper for p in parameters]) / self._scale
         self._step = max([STEP, *(form.step for form in fit.hypothesis.forms)])
         residual, jacobian = self._linearised(predictor.runs)
-        self.worth = residual.size / effective_samples(residual)  # c, samples per independent one
+        columns = residual.reshape(-1, len(predictor.machine.joints))
+        self.worth = residual.size / effective_samples(columns)  # c, samples per independent one
         self._known = jacobian.T @ jacobian
 
     def plays(self, run: RunData) -> RunData:

@@ -21,11 +21,11 @@ from threadpoolctl import threadpool_limits
 from ....models.fourier_motion import FourierMotion
 from ...errors import InputError
 from ...files import write_folder
-from ..diagnosis import Diagnosis
 from ..fitting import fit
 from ..hypothesis import Fit
 from ..machine import Array, RunData
 from ..prediction import Predictor
+from ..result import Diagnosis
 from .discrepancy import Contest, Response, template
 from .limits import Limits, drive_of, limits_of
 from .motions import Motions, scaled

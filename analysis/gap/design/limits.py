@@ -8,9 +8,9 @@ import numpy as np
 
 from ...errors import InputError
 from ..description import FILE
-from ..diagnosis import Diagnosis
 from ..drive_machine import DriveMachine
 from ..machine import Array, Machine
+from ..result import Diagnosis
 
 # Extremes of the C-drive's benchmark: Table 5-2 (travel; half a turn either way), translation at
 # 2 Hz (speed) and the largest printed torque, Table 5-5.

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...errors import InputError
-from ..diagnosis import Diagnosis
 from ..ranking import Ranked
+from ..result import Diagnosis
 
 
 @dataclass(frozen=True, kw_only=True)

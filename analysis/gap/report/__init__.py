@@ -9,7 +9,7 @@ from pathlib import Path
 import jinja2
 
 from ...files import output_folder, write_whole
-from ..diagnosis import Diagnosis
+from ..result import Diagnosis
 from . import (
     how_far,
     next_experiment,

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ..diagnosis import Diagnosis
 from ..hypothesis import Fit
 from ..machine import Array, RunData
 from ..prediction import Predictor
+from ..result import Diagnosis
 
 
 class Material:

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from ..diagnosis import SIGNAL_PROBABILITY, Diagnosis
 from ..ranking import RESAMPLES, Ranked
+from ..result import SIGNAL_PROBABILITY, Diagnosis
 from ..verdict import LEAST_REMOVED
 from .base import Material, Section
 from .words import confidence, listed, meaning, number, percent, place, places

@@ -3,10 +3,10 @@
 import math
 from typing import Any
 
-from ..diagnosis import Diagnosis
 from ..hypothesis import Fit, price
 from ..machine import Machine, Parameter
 from ..ranking import Ranked
+from ..result import Diagnosis
 from .base import Material, Section
 from .words import digits_of, interval, listed, number, percent, signature
 

@@ -6,8 +6,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
-from gapscope.analysis.gap.fitting import _held_out, fit
+from gapscope.analysis.gap.fitting import _held_out, effective_samples, fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
@@ -48,3 +49,13 @@ def test_a_step_without_a_run_is_shortened_until_it_fits_the_others():
     jacobian = np.repeat([10.0, 5.0, 5.0], 4)[:, None]
     found = _held_out(problem, residuals(x), jacobian, x, np.zeros(1, dtype=bool))
     assert found[0] == pytest.approx(np.full((4, 1), 2.0), rel=1e-3)
+
+
+def test_joints_are_counted_one_by_one_in_what_a_correlated_residual_is_worth():
+    pole, samples = 0.9, 20_000
+    noise = np.random.default_rng(2).standard_normal((samples, 2))
+    red = lfilter([1.0], [1.0, -pole], noise, axis=0)
+    worth = samples * (1.0 - pole) / (1.0 + pole)  # of a first-order process
+    assert effective_samples(red[:, :1]) == pytest.approx(worth, rel=0.15)
+    assert effective_samples(red) == pytest.approx(2.0 * worth, rel=0.15)
+    assert effective_samples(noise) == pytest.approx(2.0 * samples, rel=0.05)
