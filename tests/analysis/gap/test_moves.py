@@ -321,9 +321,9 @@ def _row(column, text):
         (_row("steps", "0"), r"row 4, column steps: 0; expected a whole number of steps"),
         (_row("steps", "2.5"), r"column steps: 2\.5"),
         (_row("moved", "0"), r"row 4, column moved: 0; expected a displacement in the dir"),
-        (_edit(lambda d: d["runs"][0].pop("joint")), r"run run1\.csv, joint: None; expected 1, 2 or 3"),
+        (_edit(lambda d: d["runs"][0].pop("joint")), r"runs\[run1\.csv\]\.joint: nothing; expected 1, 2 or 3"),
         (_edit(lambda d: d["runs"][0].update(q=1)), r"unknown key 'q'"),
-        (_edit(lambda d: d["runs"][0].update(force_N=3)), r"force_N: 3; expected three numbers"),
+        (_edit(lambda d: d["runs"][0].update(force_N=3)), r"force_N: 3; expected a list of 3 numbers"),
         (
             _edit(lambda d: d["system"]["nominal"].pop("joint_3_positive")),
             r"joint_3_positive is None, but that joint moves",
