@@ -60,7 +60,7 @@ def of_dask_workers(open_: ExitStack) -> Callable[[int], Run]:
                 n_workers=count,
                 threads_per_worker=1,
                 host="127.0.0.1",
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",
                 silence_logs=50,
             )
         )
