@@ -14,8 +14,7 @@ from ...models.fourier_motion import FourierMotion
 from ...models.motion import MotionProgram, c_drive_motion
 from ..blind_machine import any_motion, c_drive, drive_logset
 from ..gap.design import Design, design_experiment
-from ..gap.diagnosis import diagnose
-from ..gap.result import Diagnosis
+from ..gap.diagnosis import Diagnosis, diagnose
 
 HIDDEN = c_drive.Machine()._replace(lag=1e-3)  # what the instrument is not told [s]
 GENTLE = (("translation", 1.0, "fit"), ("translation", 0.8, "validate"))

@@ -11,12 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from ..gap.diagnosis import diagnose
+from ..gap.diagnosis import Diagnosis, diagnose
 from ..gap.effects import Form, parameter
 from ..gap.machine import Array, Machine, RunData, rms
 from ..gap.machines import KINDS
 from ..gap.picture import shrinkage_picture
-from ..gap.result import Diagnosis
 from .arm import Arm, write_log
 from .arm_runs import read
 

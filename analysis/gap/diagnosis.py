@@ -30,7 +30,8 @@ from .order import order_shares
 from .prediction import Predictor
 from .preparation import held_back, prepared
 from .ranking import Ranked
-from .result import Diagnosis, Leading
+from .result import Diagnosis as Diagnosis
+from .result import Leading
 from .shrinkage import Shrinkage, shrinkage
 from .signals import HOME, SignalFinding, parked
 from .verdict import Verdict, confirmed, decide, doubted, in_step, with_findings, with_late_clock

@@ -10,7 +10,7 @@ from gapscope.diagrams import c_drive_config as config_
 from gapscope.diagrams.c_drive_config import Amplifier, CDriveLoopConfig, Machine
 from gapscope.diagrams.c_drive_loop import actuated_drive
 from gapscope.diagrams.c_drive_sampled_loop import c_drive_sampled_loop
-from gapscope.models import drive_kernels, encoder
+from gapscope.models import drive, drive_kernels, encoder
 from gapscope.models.c_drive_controllers import loop_controller
 from gapscope.models.linear_controller import linear_controller
 from gapscope.systems.encoded_drive import EncodedDrive
@@ -84,7 +84,7 @@ def test_encoded_drive_starts_where_it_is_put_and_refuses_delay():
     system.set_position(context, [0.6, -1.0])
     assert system.GetOutputPort("measured").Eval(context).tolist() == [0.5, -1.0]
     assert system.GetOutputPort("state").Eval(context)[:4].tolist() == [0.6, -1.0, 0.0, 0.0]
-    plant.shaft[:, 6] = 1e-3
+    plant.shaft[:, drive.DELAY] = 1e-3
     with pytest.raises(ValueError, match="delays are"):
         EncodedDrive(plant, 1e-3, 0.25)
 

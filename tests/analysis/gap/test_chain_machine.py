@@ -202,7 +202,10 @@ def bad_log_set(folder, change):
     ("change", "message"),
     [
         (lambda d: d["system"]["nominal"].pop("rotor_inertia_kg_m2"), "rotor_inertia_kg_m2"),
-        (lambda d: d["system"]["nominal"].update(base_m=-1.0), "base is -1"),
+        (
+            lambda d: d["system"]["nominal"].update(base_m=-1.0),
+            r"base_m: -1\.0; expected a positive",
+        ),
         (lambda d: d["system"]["nominal"].update(crank_m=1.0), "unknown key 'crank_m'"),
         (lambda d: d["columns"].update(q1="deg"), "the unit is 'deg'"),
         (lambda d: d["system"]["nominal"].update(rod3_m=0.05), "row 2"),

@@ -130,7 +130,7 @@ def test_whole_loop_repeats_the_log(folder):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda d: d["system"].pop("home"), r"system\.home: None; expected four joints"),
+        (lambda d: d["system"].pop("home"), r"system\.home: nothing; expected four joints"),
         (lambda d: d["system"].update(homes=1), "unknown key 'homes'"),
         (lambda d: d["system"]["nominal"].update(mass=1.0), "unknown key 'mass'"),
         (lambda d: d["system"]["nominal"].update(payload=-1.0), "payload is -1"),
