@@ -10,7 +10,7 @@ import pytest
 from gapscope.analysis.blind_machine import write_case
 from gapscope.analysis.gap import effects
 from gapscope.analysis.gap.effects import catalogue, scales_of
-from gapscope.analysis.gap.effects.two_inertia import ON_LOAD, split
+from gapscope.analysis.gap.effects.two_inertia import MOST_STEPS, ON_LOAD, split
 from gapscope.analysis.gap.fitting import fit
 from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
@@ -160,3 +160,18 @@ def test_the_effect_that_the_readme_shows_says_where_it_acts(case):
         effects._registered.pop("my.load", None)
     assert set(place["joints"]) <= set(machine.joints)
     assert found.converged
+
+
+def test_a_load_of_negative_inertia_is_a_prediction_that_fails_and_no_error(case):
+    """As where torques are logged with the other sign, and a fit makes the inertia negative."""
+    machine, predictor, forms = case
+    form = next(f for f in forms if f.effect == "transmission.compliance")
+    own = machine.nominal()
+    values = {("", name): v for name, v in own.items()} | {("", "inertia_translation"): -1e-4}
+    values |= {(form.effect, p.name): p.starts[0] for p in form.parameters}
+    values[form.effect, "compliance"] = 1e-3
+    hypothesis = Hypothesis(forms=(form,))
+    plant = hypothesis.plant(machine, values)
+    assert 1 <= plant.substeps <= MOST_STEPS
+    found = predictor.residuals(hypothesis, [np.array(list(values.values()))], list(values))[0][0]
+    assert np.all(np.isfinite(found))
