@@ -12,6 +12,7 @@ from .drive import (
     FADE,
     LAG,
     LOAD_FRICTION,
+    NET_LOAD_FRICTION,
     RIPPLE_COS,
     RIPPLE_SIN,
     SHAFT_COLUMNS,
@@ -52,7 +53,9 @@ def has_rare_effects(element: Any, shaft: Any) -> bool:
             return True
     for j in range(shaft.shape[0]):
         row = shaft[j]
-        if row[LOAD_FRICTION] != 0.0 or row[RIPPLE_COS] != 0.0 or row[RIPPLE_SIN] != 0.0:
+        if row[LOAD_FRICTION] != 0.0 or row[NET_LOAD_FRICTION] != 0.0:
+            return True
+        if row[RIPPLE_COS] != 0.0 or row[RIPPLE_SIN] != 0.0:
             return True
         if row[DELAY] != 0.0 or row[LAG] != 0.0:
             return True
@@ -91,6 +94,7 @@ def _without_rare_effects(plant: Drive) -> None:
     stack.clear(plant.element, STIFFNESS)
     stack.clear(plant.element, FADE)
     stack.clear(plant.shaft, LOAD_FRICTION)
+    stack.clear(plant.shaft, NET_LOAD_FRICTION)
     stack.clear(plant.shaft, RIPPLE_COS)
     stack.clear(plant.shaft, RIPPLE_SIN)
     stack.clear(plant.shaft, DELAY)

@@ -167,3 +167,25 @@ def test_drives_are_put_side_by_side():
     drives[0].elements[0, 0] = -1.0
     with pytest.raises(ValueError, match="`elements`"):
         drive_batch.stacked(drives)
+
+
+@pytest.mark.parametrize("field", ["element", "shaft"])
+def test_no_effect_is_left_out_where_it_acts_alone(field, task):
+    """The kernel of one drive leaves out what a drive has not; that of many never does."""
+    position, command = single_loop(task, c_drive.drive(c_drive.CDriveParameters()), 0.0)
+    plain = c_drive.drive(c_drive.CDriveParameters())
+    columns = {
+        "element": (drive.VISCOUS_SKEW, drive.FADE),
+        "shaft": (drive.LOAD_FRICTION, drive.NET_LOAD_FRICTION, drive.RIPPLE_COS, drive.RIPPLE_SIN, drive.DELAY, drive.LAG),
+    }[field]  # fmt: skip
+    without = np.empty((SAMPLES, 2))
+    drive_kernels.predict(position, command, plain, DT, 2, 60.0, without)
+    for column in columns:
+        plant = plain.copy()
+        getattr(plant, field)[:, column] = 2e-3
+        residual = np.empty((SAMPLES, 2))
+        drive_kernels.predict(position, command, plant, DT, 2, 60.0, residual)
+        assert np.max(np.abs(residual - without)) > 1e-9, column
+        sets = drive_batch.stacked([plant])
+        (found,) = drive_batch.predict(position, command, sets, DT, 2, 60.0, threads=1)
+        np.testing.assert_allclose(found, residual, rtol=0.0, atol=TOLERANCE)
