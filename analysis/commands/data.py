@@ -33,9 +33,16 @@ def get_set(
     url: Annotated[
         str | None, typer.Option(help="Mirror that has NAME/FILE; needs gapscope[data].")
     ] = None,
+    original: Annotated[
+        Path | None, typer.Option(help="The published file (emps: EMPS.zip or DATA_EMPS.mat).")
+    ] = None,
 ) -> None:
-    """Fetch a set from --url, or from the folder GAPSCOPE_DATA names, and check its hashes."""
+    """Fetch a set and check its hashes.
+
+    From --original or --url, else from the folder GAPSCOPE_DATA names, else from where it is published: of emps
+    the archive is downloaded (needs gapscope[data]) and made into a table, the others say where they are.
+    """
     from ..datasets import get
 
-    for path in get(name, out or Path(name), url=url):
+    for path in get(name, out or Path(name), url=url, original=original):
         typer.echo(path)

@@ -50,7 +50,10 @@ def demo(
         console.print(f"report: {parts.save(blind, folder)}", soft_wrap=True)
         log = parts.measured_log()
         if log is None:
-            console.print(f"Set {parts.DATA} to a folder with {parts.EMPS}/ to see a measured log.")
+            console.print(
+                f"3. needs a measured log: set {parts.DATA} to the folder with {parts.EMPS}/, which "
+                f"`gapscope data get {parts.EMPS}` writes where there is a connection."
+            )
             return
         console.rule("3. Measured log of the EMPS slider")
         measured = diagnose(log, progress=lambda text: status.update(text))
