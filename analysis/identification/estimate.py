@@ -41,7 +41,12 @@ class Completion(NamedTuple):
 
 
 def fit(data: Regression, base: Base, axes: int) -> Fit:
-    """Least squares on the kept columns, each axis weighted by its own scatter."""
+    r"""Least squares on the kept columns, each axis weighted by its own scatter.
+
+    Rows as close as the filter's memory err alike. With their correlation R, that of white sensor noise behind the
+    filter, the estimate's covariance is :math:`\sigma^2 A X^T R X A,\ A = (X^T X)^{-1}`, and the residuals'
+    expected square :math:`\sigma^2 (rows - tr(A X^T R X))`.
+    """
     w = data.regressor[:, list(base.kept)]
     first = np.linalg.lstsq(w, data.force, rcond=None)[0]
     scatter = _scatter(data.force - w @ first, data.axis, axes)
@@ -50,9 +55,11 @@ def fit(data: Regression, base: Base, axes: int) -> Fit:
     values = np.linalg.lstsq(scaled, data.force * weight, rcond=None)[0]
     left = data.force - w @ values
     scatter = _scatter(left, data.axis, axes)
-    freedom = len(data.force) - len(values)
+    inverse = np.linalg.inv(scaled.T @ scaled)
+    alike = inverse @ _correlated(scaled, data)
+    freedom = len(data.force) - float(np.trace(alike))
     variance = float(np.sum((left * weight) ** 2)) / freedom
-    spread = np.sqrt(variance * np.diag(np.linalg.inv(scaled.T @ scaled)))
+    spread = np.sqrt(variance * np.diag(alike @ inverse))
     return Fit(
         np.asarray(values, dtype=float),
         scipy.stats.t.ppf(0.5 + 0.5 * CERTAINTY, freedom) * spread,
@@ -111,6 +118,31 @@ def _inside(data: Regression, low: Floats, high: Floats, mean: Floats) -> Floats
         data.regressor * room, data.force - data.regressor @ bottom, bounds=(0.0, 1.0)
     )
     return np.asarray(bottom + room * found.x)
+
+
+def _correlated(scaled: Floats, data: Regression) -> Floats:
+    """X^T R X (base, base) of rows X: those of an axis are correlated, axes are independent."""
+    place = np.rint((data.time - data.time.min()) / data.spacing).astype(int)
+    total = np.zeros((scaled.shape[1],) * 2)
+    for i in np.unique(data.axis):
+        grid = np.zeros((place.max() + 1, scaled.shape[1]))  # rows that are left out stay zero
+        grid[place[data.axis == i]] = scaled[data.axis == i]
+        total += grid.T @ grid
+        for lag, shared in enumerate(data.correlation[1 : len(grid)], start=1):
+            once = shared * grid[:-lag].T @ grid[lag:]
+            total += once + once.T
+    return total
+
+
+def correlation(data: Regression, left: Floats) -> Floats:
+    """Measured correlation (axes,) of residuals (rows,) one spacing apart."""
+    place = np.rint((data.time - data.time.min()) / data.spacing).astype(int)
+    found = []
+    for i in np.unique(data.axis):
+        mine, values = place[data.axis == i], left[data.axis == i]
+        _, here, there = np.intersect1d(mine + 1, mine, return_indices=True)
+        found.append(np.corrcoef(values[here], values[there])[0, 1])
+    return np.array(found)
 
 
 def _scatter(left: Floats, axis: NDArray[np.int64], axes: int) -> Floats:

@@ -6,17 +6,16 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-import scipy.stats
 from numpy.typing import NDArray
 
 from . import base as bases
-from . import excitation, measurement
+from . import coverage, excitation, measurement
 from .base import Base
-from .estimate import CERTAINTY, Completion, Fit, complete, fit, minimum_norm
+from .estimate import CERTAINTY, Completion, Fit, complete, correlation, fit, minimum_norm
 from .excitation import Excitation, Search
 from .feasible import feasible, smallest_margins
 from .machine import Machine
-from .measurement import Ideal, Periodic, Regression, Sinusoid
+from .measurement import Periodic, Regression, Sinusoid
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -50,8 +49,7 @@ class Study:
     searches: list[Search]
     truth: Floats  # planted, with friction (p + 2n,)
     fitted: Fit
-    covered: tuple[int, int]  # intervals that hold the truth, of all
-    repeats: int
+    covered: NDArray[np.bool_]  # (repeats, base) whether an interval holds the truth
     completion: Completion | None
     plain: Floats  # minimum-norm least squares
     feasible: Floats
@@ -94,7 +92,7 @@ def run(
     possible = feasible(machine, data, fitted.scatter)
     plain, finished = minimum_norm(data), complete(machine, base, fitted.values, data)
     progress("repetitions")
-    covered = _coverage(machine, exact, base, base.combination @ truth, seed, repeats)
+    covered = coverage.repeat(machine, exact, base, base.combination @ truth, seed, repeats)
     errors = _errors(machine, base, fitted, possible, finished, held_out, other, truth, seed)
     return Study(
         machine=machine,
@@ -106,7 +104,6 @@ def run(
         truth=truth,
         fitted=fitted,
         covered=covered,
-        repeats=repeats,
         completion=finished,
         plain=plain,
         feasible=possible,
@@ -132,16 +129,6 @@ def _validation(machine: Machine, seed: int) -> Periodic:
         return Sinusoid(machine.start, 0.01145, 3.5)
     kept = structure(machine, seed)[0].kept
     return Moving(excitation.random(machine, kept, seed + 1000))
-
-
-def _coverage(
-    machine: Machine, exact: Ideal, base: Base, truth: Floats, seed: int, repeats: int
-) -> tuple[int, int]:
-    inside = 0
-    for k in range(repeats):
-        found = fit(measurement.measure(machine, exact, seed + 100 + k), base, machine.axes)
-        inside += int(np.sum(np.abs(found.values - truth) <= found.half_width))
-    return inside, repeats * len(truth)
 
 
 def _errors(  # type: ignore[no-untyped-def]
@@ -184,8 +171,6 @@ def noise(one: Regression, other: Regression, machine: Machine) -> float:
 def findings(study: Study) -> dict[str, Any]:
     """The study as a JSON document."""
     m, names = study.machine, study.machine.names
-    inside, of = study.covered
-    interval = scipy.stats.binomtest(inside, of).proportion_ci(method="wilson") if of else None
     planted = study.base.combination @ study.truth
     return {
         "machine": m.title,
@@ -208,13 +193,7 @@ def findings(study: Study) -> dict[str, Any]:
                 for i, words in enumerate(bases.words(study.base, names))
             ],
         },
-        "intervals": {
-            "nominal": CERTAINTY,
-            "repeats": study.repeats,
-            "held": inside,
-            "of": of,
-            "coverage_95_percent_interval": [interval.low, interval.high] if interval else None,
-        },
+        "intervals": _intervals(study),
         "excitation": {
             "condition": {s.method: s.condition for s in study.searches},
             "evaluations": {s.method: s.evaluations for s in study.searches},
@@ -233,6 +212,22 @@ def findings(study: Study) -> dict[str, Any]:
         },
         "validation": {"relative_force_error": study.errors},
         "notes": notes(m),
+    }
+
+
+def _intervals(study: Study) -> dict[str, Any]:
+    data = study.identification
+    left = data.force - data.regressor[:, list(study.base.kept)] @ study.fitted.values
+    return {
+        "nominal": CERTAINTY,
+        "repeats": len(study.covered),
+        "held": int(study.covered.sum()),
+        "of": study.covered.size,
+        "coverage_95_percent_interval": coverage.interval(study.covered),
+        "correlation_of_neighbouring_residuals": {
+            "by_axis": correlation(data, left).tolist(),
+            "of_white_noise_behind_the_filter": float(data.correlation[1]),
+        },
     }
 
 

@@ -8,7 +8,7 @@ from ...models.parallel.machine import ParallelMachine
 from ..gap.chain_machine import tables
 
 Floats = NDArray[np.float64]
-NODES = {1: 10, 2: 10, 3: 7}  # of a joint, by the number of joints
+NODES = {1: 10, 2: 10, 3: 8}  # of a joint, by the number of joints
 
 
 class Posture:

@@ -29,7 +29,7 @@ def logged(bench, name, plan, fault="none"):
 SLOW_TO_BUILD = [pytest.param(name, marks=pytest.mark.slow) for name in ("mast", "3prs")]
 
 
-@pytest.mark.parametrize("name", ["5r", "replalink", "2prr", *SLOW_TO_BUILD])
+@pytest.mark.parametrize("name", ["5r", "replalink", "2prr", "mast", "3prs"])
 def test_postures_of_a_chain_are_those_of_its_equations(name):
     """To 1e-4 of the largest term: less than one per cent of the rotors' tolerance of 3 %."""
     chain = CHAINS[name]
