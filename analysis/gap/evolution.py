@@ -13,7 +13,7 @@ from .prediction import Problem, flatten
 
 POPULATION = 16
 GENERATIONS = 60  # of a whole search
-FIRST_GENERATIONS = 20  # of one that is only taken further where it leads somewhere
+FIRST_GENERATIONS = 10  # of one that is only taken further where it leads somewhere
 LEVEL = 1e-3  # a search ends when the best losses of the last generations differ by less, of all it gained
 SEED = 1
 PART = 0.15  # of a parameter's size, or of LEAST scales: spread of the first generation

@@ -9,13 +9,13 @@ from .fitting import FIRST_STEPS, SCREEN, fit
 from .hypothesis import Fit
 from .prediction import Predictor
 from .ranking import best_by_ids
-from .scan import forms_found
+from .scan import Spectra
 
 MOST_EFFECTS = 3
 FURTHER_SCREEN = 0.08  # a further effect must lower the loss by more; its price alone asks for 0.18
 PROMISE = 0.25  # of the fall of a sibling's loss, asked of the start of a search for impacts
 CONTENDER = 1.5  # a search goes on while its residual is within this ratio of the best one's
-ROUGH_CONTENDER = 1.2  # as CONTENDER, of the dear searches for impacts
+ROUGH_CONTENDER = 1.5  # as CONTENDER, of the dear searches for impacts
 
 Progress = Callable[[str], None]
 
@@ -57,10 +57,14 @@ def grown(
     predictor: Predictor,
     parents: Sequence[Fit],
     forms: Sequence[Form],
+    spectra: Spectra,
     tried: Sequence[Fit],
     progress: Progress,
 ) -> list[Fit]:
-    """The parents with one effect more each, best first, sets of effects not tried before."""
+    """The parents with one effect more each, best first, sets of effects not tried before.
+
+    The first parent is joined by what ``spectra`` find beside it, too.
+    """
     known = {frozenset(f.hypothesis.ids) for f in tried}
     smooth = [p for p in parents if not p.hypothesis.rough]
     # Impacts are dear: beside the best only, not where impacts themselves are far better, and then in their form.
@@ -76,7 +80,7 @@ def grown(
             parent,
             [
                 f
-                for f in [*forms, *(forms_found(predictor, parent) if parent is parents[0] else [])]
+                for f in [*forms, *(spectra.forms_beside(parent) if parent is parents[0] else [])]
                 if frozenset((*parent.hypothesis.ids, f.effect)) not in known
                 and (f.step == 0.0 or parent is beside_impacts)
                 and (f.step == 0.0 or f in known_impacts or not known_impacts)

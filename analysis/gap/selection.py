@@ -11,7 +11,7 @@ from .impacts import beside_impacts
 from .prediction import Predictor
 from .pruning import pruned
 from .ranking import best_by_ids
-from .scan import forms_found
+from .scan import Spectra
 
 BEAM = 2  # single effects that a second one is added to
 LEAST_GAIN = 0.02  # smallest fall of the score worth another effect or another set of them
@@ -38,7 +38,8 @@ class Selection:
             floor,
             progress,
         )
-        self.forms = [*forms, *forms_found(predictor, retuned)]
+        self.spectra = Spectra(predictor, retuned)
+        self.forms = [*forms, *self.spectra.forms_beside(retuned)]
         self.tried = with_each(predictor, retuned, self.forms, progress)
         self.singles = [pruned(predictor, f) for f in best_by_ids(self.tried)]
         self.fits = [retuned, *self.singles]
@@ -78,10 +79,11 @@ class Selection:
 
     def _children(self, parents: Sequence[Fit], reserve: Sequence[Fit]) -> list[Fit]:
         """The parents with one effect more, best first."""
-        children = grown(self.predictor, parents, self.forms, self.fits, self.progress)
+        children = self._grown(parents, self.forms, self.fits)
         if reserve and (not children or children[0].held_out_rms > FAR * self.floor):
-            known = [*self.fits, *children]
-            children += grown(self.predictor, reserve, self.forms, known, self.progress)
+            impacts = [f for p in parents for f in p.hypothesis.forms if f.step > 0.0]
+            forms = [f for f in self.forms if f.step == 0.0 or not impacts or f in impacts]
+            children += self._grown(reserve, forms, [*self.fits, *children])
         best = parents[0]
         if best.hypothesis.rough and len(best.hypothesis.forms) == 1:
             children += beside_impacts(
@@ -90,6 +92,12 @@ class Selection:
             on_time = [f for f in self.forms if not f.shifts]
             children += with_each(self.predictor, best, on_time, self.progress)
         return sorted(children, key=lambda f: f.score)
+
+    def _grown(
+        self, parents: Sequence[Fit], forms: Sequence[Form], known: Sequence[Fit]
+    ) -> list[Fit]:
+        """``parents`` with one of ``forms`` each, best first, where the set of effects is not known."""
+        return grown(self.predictor, parents, forms, self.spectra, known, self.progress)
 
     def _settled(self, child: Fit) -> Fit:
         """A child without needless parameters, searched from its other sides too where it is far from the floor."""

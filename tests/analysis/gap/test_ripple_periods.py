@@ -12,7 +12,7 @@ from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
 from gapscope.analysis.gap.prediction import Predictor
-from gapscope.analysis.gap.scan import forms_found, spectrum
+from gapscope.analysis.gap.scan import Spectra
 from gapscope.models import drive
 
 from .conftest import write_logset
@@ -39,7 +39,8 @@ def test_the_period_is_seen_in_the_residual_and_measured_by_the_fit(rippled):
     machine, runs = rippled
     predictor = Predictor(machine, runs)
     retuned = fit(predictor, Hypothesis())
-    forms = forms_found(predictor, retuned)
+    spectra = Spectra(predictor, retuned)
+    forms = spectra.forms_beside(retuned)
     fits = [fit(predictor, Hypothesis(forms=(form,)), retuned) for form in forms]
     best = min(fits, key=lambda f: f.rms)
     assert best.rms < 0.5 * retuned.rms
@@ -47,7 +48,7 @@ def test_the_period_is_seen_in_the_residual_and_measured_by_the_fit(rippled):
     assert values["actuator.ripple", "period"] == pytest.approx(2.0 * np.pi / ORDER, rel=2e-3)
     assert values["actuator.ripple", "sin_left"] == pytest.approx(0.05, rel=0.05)
     assert abs(values.get(("actuator.ripple", "sin_right"), 0.0)) < 0.01
-    assert forms_found(predictor, best) == []  # beside itself it is not looked for
+    assert spectra.forms_beside(best) == []  # beside itself it is not looked for
 
 
 def test_a_spectrum_is_the_share_of_the_loss_that_a_fit_at_that_period_removes(rippled):
@@ -55,7 +56,7 @@ def test_a_spectrum_is_the_share_of_the_loss_that_a_fit_at_that_period_removes(r
     predictor = Predictor(machine, runs)
     retuned = fit(predictor, Hypothesis())
     (scan,) = machine.scans(runs)
-    falls = spectrum(predictor, retuned, scan)
+    falls = Spectra(predictor, retuned).falls("actuator.ripple", retuned)
     assert falls.shape == scan.values.shape
     highest = int(np.argmax(falls))
     assert scan.values[highest] == pytest.approx(2.0 * np.pi / ORDER, rel=0.02)
