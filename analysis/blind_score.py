@@ -4,9 +4,9 @@ A diagnosis names a set of ids: its ``effects`` if ``explained``, none if ``no_g
 ``unexplained``. ``ambiguous`` names nothing; its first hypothesis still counts for top-1 and its
 first two for top-2. An answer is right when the sets are equal: of a pair, both and nothing else.
 
-The targets are judged on *visible* cases, whose every effect moves the residual by at least five
-times the repeatability floor (measured by the generator, against the same machine without it).
-Proportions carry Wilson intervals, the rest percentile-bootstrap intervals over cases, both 95 %.
+``blind_rates`` makes the numbers of a run from its outcomes. Its targets are judged on *visible* cases, whose every
+effect moves the residual by at least five times the repeatability floor (measured by the generator, against the same
+machine without it). Proportions carry Wilson intervals, the rest percentile-bootstrap intervals over cases, both 95 %.
 """
 
 from collections.abc import Sequence
@@ -15,8 +15,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from .blind_statistics import Estimate, bootstrapped, calibration_error, median, proportion
 
 VISIBLE = 5.0  # times the floor
 UNKNOWN = frozenset({"unknown"})
@@ -27,6 +25,8 @@ EXPLAINED, NO_GAP, UNEXPLAINED, AMBIGUOUS, FAILED = (
     "ambiguous",
     "failed",
 )
+# Twins where they last a sample or so: then both are to be named.
+LATE = frozenset({"actuator.delay", "actuator.lag"})
 # Effects whose true size counts along the torque, and the estimate against it.
 OPPOSED = frozenset({"load.bias"})
 
@@ -60,6 +60,12 @@ class Outcome:
     def right_in_two(self) -> bool:
         """One of the first two hypotheses is the answer."""
         return self.truth in (self.first, *self.named)
+
+    @property
+    def names_both_late(self) -> bool:
+        """The two named are the answer and the same with a delay for its lag, or a lag for its delay."""
+        both = len(self.named) == 2 and self.named[0] ^ self.named[1] == LATE
+        return self.verdict == AMBIGUOUS and both and self.truth in self.named
 
     @property
     def claimed(self) -> bool:
@@ -186,97 +192,3 @@ def _prediction(o: Outcome) -> str:
 def _order(word: str) -> tuple[int, str]:
     last = (NO_GAP, "unknown", "several", AMBIGUOUS, FAILED)
     return (last.index(word) + 1 if word in last else 0, word)
-
-
-def summary(outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """Every number of the score, as JSON-ready dictionaries of estimates."""
-    visible = [o for o in outcomes if o.visible]
-    single = [o for o in visible if o.kind == "single"]
-    double = [o for o in visible if o.kind == "double"]
-    off = [o for o in visible if o.kind == "off_library"]
-    none = [o for o in outcomes if o.kind == "none"]
-    gaps = [o for o in visible if o.kind in ("single", "double")]
-    sure = [(o.confidence, float(o.right)) for o in visible if o.confidence is not None]
-    stated = [(o.confidence, float(o.right)) for o in outcomes if o.confidence is not None]
-    of_all = [[(o.shrinkage or 0.0) if o.claimed else 0.0] for o in gaps]
-    removed = [[o.shrinkage] for o in gaps if o.claimed and o.shrinkage is not None]
-    both = [
-        (o.shrinkage, o.attainable)
-        for o in gaps
-        if o.claimed and o.shrinkage is not None and o.attainable is not None
-    ]
-    return {
-        "cases": {
-            kind: {
-                "all": sum(o.kind == kind for o in outcomes),
-                "visible": sum(o.kind == kind for o in visible),
-            }
-            for kind in ("none", "single", "double", "off_library")
-        },
-        "top1": proportion([o.right for o in gaps]),
-        "top1_or_twins": proportion(
-            [o.right or (o.verdict == AMBIGUOUS and o.truth in o.named) for o in gaps]
-        ),
-        "top2": proportion([o.right_in_two for o in gaps]),
-        "top1_single": proportion([o.right for o in single]),
-        "top2_single": proportion([o.right_in_two for o in single]),
-        "top1_double": proportion([o.right for o in double]),
-        "double_at_least_one": proportion([bool(o.first & o.truth) for o in double]),
-        "double_nothing_wrong": proportion([o.first <= o.truth for o in double]),
-        "named": proportion([o.claimed and o.right for o in gaps]),
-        "wrong_claims": proportion([o.claimed and not o.right for o in gaps]),
-        "abstentions": proportion([o.verdict in (UNEXPLAINED, AMBIGUOUS, NO_GAP) for o in gaps]),
-        "rightly_ambiguous": proportion(
-            [o.truth in o.named for o in gaps if o.verdict == AMBIGUOUS]
-        ),
-        "false_alarms": proportion([o.verdict != NO_GAP for o in none]),
-        "off_library_withheld": proportion(
-            [o.verdict in (UNEXPLAINED, AMBIGUOUS) or o.first == UNKNOWN for o in off]
-        ),
-        "off_library_false": proportion([o.claimed for o in off]),
-        "off_library_no_gap": proportion([o.verdict == NO_GAP for o in off]),
-        "failed": proportion([o.verdict == FAILED for o in outcomes]),
-        "top1_faint": proportion(
-            [o.right for o in outcomes if not o.visible and o.kind in ("single", "double")]
-        ),
-        "wrong_claims_faint": proportion(
-            [
-                o.claimed and not o.right
-                for o in outcomes
-                if not o.visible and o.kind in ("single", "double")
-            ]
-        ),
-        "ece": bootstrapped(calibration_error, sure),
-        "ece_all": bootstrapped(calibration_error, stated),
-        "removed_percent": bootstrapped(median, removed),
-        "removed_of_all_percent": bootstrapped(median, of_all),
-        "shrinkage_error_percent": bootstrapped(
-            lambda a: float(np.median(np.abs(a[:, 0] - a[:, 1]))), both
-        ),
-        "seconds": bootstrapped(median, [[o.seconds] for o in outcomes]),
-        "by_mechanism": {
-            name: {
-                "top1": proportion([o.right for o in rows]),
-                "top2": proportion([o.right_in_two for o in rows]),
-                "faint": sum(o.kind == "single" and o.cause == (name,) for o in outcomes)
-                - len(rows),
-            }
-            for name in sorted({o.cause[0] for o in outcomes if o.kind == "single"})
-            for rows in [[o for o in single if o.cause == (name,)]]
-        },
-        "by_off_library": {
-            name: proportion([not o.claimed for o in off if o.cause == (name,)])
-            for name in sorted({o.cause[0] for o in outcomes if o.kind == "off_library"})
-        },
-        "parameters": _parameter_errors(outcomes),
-    }
-
-
-def _parameter_errors(outcomes: Sequence[Outcome]) -> dict[str, Estimate]:
-    """Median relative error of every parameter both sides name alike, in rightly named cases."""
-    errors: dict[str, list[list[float]]] = {}
-    for o in outcomes:
-        for effect, name, true, estimated in o.parameters:
-            size = abs(estimated - true) / max(abs(true), 1e-12)
-            errors.setdefault(f"{effect} {name}", []).append([size])
-    return {key: bootstrapped(median, rows) for key, rows in sorted(errors.items())}

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from gapscope.analysis import blind_report, blind_score, blind_statistics
+from gapscope.analysis import blind_rates, blind_report, blind_score, blind_statistics
 
 
 def made(
@@ -53,6 +53,10 @@ def test_what_each_verdict_names():
     assert made("off_library", "unknown", "unexplained").right
     twin = made("single", LAG, "ambiguous", DELAY, second=LAG, probability=0.5)
     assert (twin.right, twin.right_in_two, twin.claimed) == (False, True, False)
+    assert twin.names_both_late
+    assert not made("single", LAG, "ambiguous", DELAY, second=BIAS).names_both_late
+    assert not made("single", BIAS, "ambiguous", DELAY, second=LAG).names_both_late
+    assert not made("single", LAG, "explained", DELAY, second=LAG).names_both_late
     offset = [{"id": "sensor.offset", "parameters": {}, "evidence": "replayed"}]
     twin = made(
         "double",
@@ -117,19 +121,21 @@ def test_rates_of_a_known_run():
         *[made("off_library", "unknown", "unexplained")] * 3,
         *[made("off_library", "unknown", "explained", DRY)] * 1,
         *[made("single", DRY, "no_gap", strength=1.0)] * 5,
+        *[made("single", LAG, "ambiguous", DELAY, second=LAG)] * 2,
     ]
-    numbers = blind_score.summary(outcomes)
+    numbers = blind_rates.summary(outcomes)
     expected = {
-        "top1": 0.7,
-        "top2": 0.9,
-        "top1_single": 0.75,
+        "top1": 7 / 12,
+        "top1_late": 9 / 12,
+        "top2": 11 / 12,
+        "top1_single": 0.6,
         "top1_double": 0.5,
         "double_at_least_one": 1.0,
         "double_nothing_wrong": 1.0,
         "false_alarms": 0.1,
         "off_library_withheld": 0.75,
         "off_library_false": 0.25,
-        "abstentions": 0.0,
+        "abstentions": 2 / 12,
         "top1_faint": 0.0,
     }
     assert {key: numbers[key].value for key in expected} == pytest.approx(expected)
@@ -185,7 +191,7 @@ def test_parameter_errors_compare_what_is_alone_with_its_unit():
             }
         },
     )  # fmt: skip
-    errors = blind_score.summary([o])["parameters"]
+    errors = blind_rates.summary([o])["parameters"]
     assert list(errors) == [
         f"{BIAS} torque_Nm"
     ]  # two angles, and a true mass of none, are left out
