@@ -14,7 +14,7 @@ from ....models.thesis_tables import CONTROLLERS, E_THETA_RMS, E_U_RMS, MOTIONS,
 from ...figures import BLUE, VERMILION, ink
 
 if TYPE_CHECKING:
-    from .diagnosis import Entry
+    from .result import Entry
 
 LABELS = {
     TAU_RMS: "RMS torque [N m]",

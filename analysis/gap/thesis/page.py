@@ -13,7 +13,7 @@ from .figure import measured_and_models
 
 if TYPE_CHECKING:
     from .carry_over import CarryOver
-    from .diagnosis import ThesisDiagnosis
+    from .result import ThesisDiagnosis
 
 QUESTION = "Does what fits the 2 Hz experiment predict the 1 Hz experiment?"
 

@@ -3,8 +3,8 @@
 from rich.console import Console
 from rich.table import Table
 
-from .diagnosis import ThesisDiagnosis
 from .page import location_text, shrinkage_text
+from .result import ThesisDiagnosis
 
 ROWS = 5
 
