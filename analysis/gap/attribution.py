@@ -38,7 +38,8 @@ def attribute(
     if best.hypothesis.rough:
         fits += with_other_shifts(predictor, best, plain, progress)
     fits += richer(predictor, retuned, fits, best, refined, floor, progress)
-    claims = [f for f in fits if f.converged and not _holds_nothing(f)]
+    # Everything is measured against the retuned model, however badly it predicts.
+    claims = [f for f in fits if f is retuned or (f.converged and not _holds_nothing(f))]
     return rank([f.called_by_values() for f in claims], retuned, seed)
 
 

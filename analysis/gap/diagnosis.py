@@ -25,7 +25,7 @@ from .hypothesis import Fit, Hypothesis
 from .law_error import within_law
 from .logset import LogSet, load_logset
 from .machine import Array, Machine, RunData, rms
-from .machines import read_machine, stated_encoder_step
+from .machines import read_machine, refuse_still, stated_encoder_step
 from .order import order_shares
 from .prediction import Predictor
 from .preparation import held_back, prepared
@@ -58,6 +58,7 @@ def _diagnose(logset: str | Path | LogSet, seed: int, tell: Progress) -> Diagnos
     tell("checking signals and clocks")
     machine, logged = read_machine(log)
     logged = prepared(machine, logged)
+    refuse_still(log, machine, logged)
     runs, findings = machine.examine(logged, stated_encoder_step(log))
     replays = machine.replays(runs)
     fit_runs = [run for run in runs if run.use == "fit"]

@@ -81,8 +81,8 @@ class Selection:
         """The parents with one effect more, best first."""
         children = self._grown(parents, self.forms, self.fits)
         if reserve and (not children or children[0].held_out_rms > FAR * self.floor):
-            impacts = [f for p in parents for f in p.hypothesis.forms if f.step > 0.0]
-            forms = [f for f in self.forms if f.step == 0.0 or not impacts or f in impacts]
+            # Where impacts are the best, every other effect joins them below.
+            forms = [f for f in self.forms if f.step == 0.0 or not parents[0].hypothesis.rough]
             children += self._grown(reserve, forms, [*self.fits, *children])
         best = parents[0]
         if best.hypothesis.rough and len(best.hypothesis.forms) == 1:

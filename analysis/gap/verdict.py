@@ -159,7 +159,8 @@ def with_late_clock(
 def in_step(verdict: Verdict, out_of_step: float | None) -> Verdict:
     """The verdict, or ``unexplained`` where a disturbance out of step with the motion has raised the floor.
 
-    ``out_of_step`` is that of ``floor.py``. Impacts of a clearance do not repeat either.
+    ``out_of_step`` is that of ``floor.py``. Impacts of a clearance do not repeat either. White noise in the forces of
+    the machine counts as a disturbance: commands that get lost look the same.
     """
     rough = verdict.accepted is not None and verdict.accepted.fit.hypothesis.rough
     if out_of_step is None or out_of_step <= OUT_OF_STEP or rough:
@@ -170,7 +171,8 @@ def in_step(verdict: Verdict, out_of_step: float | None) -> Verdict:
         verdict,
         verdict="unexplained",
         reason=f"What does not repeat is {out_of_step:.1f} x the noise of the measurement: "
-        f"a disturbance out of step with the motion, which no effect of the catalogue makes. "
+        f"a disturbance out of step with the motion (a hum, knocks, lost commands, noise in the "
+        f"forces), which no effect of the catalogue makes. "
         f"{verdict.reason}",
         accepted=None,
     )

@@ -22,7 +22,14 @@ from . import (
 from .encoders import stated_encoder_step
 from .moving import refuse_still
 
-__all__ = ["KINDS", "UNEVEN", "columns_of", "read_machine", "stated_encoder_step"]
+__all__ = [
+    "KINDS",
+    "UNEVEN",
+    "columns_of",
+    "read_machine",
+    "refuse_still",
+    "stated_encoder_step",
+]
 
 KINDS: dict[str, Callable[[LogSet], tuple[Machine, list[RunData]]]] = {
     "c_drive": c_drive.read,

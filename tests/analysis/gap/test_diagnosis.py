@@ -8,11 +8,15 @@ import pytest
 import yaml
 
 from gapscope.analysis.errors import InputError
+from gapscope.analysis.gap.attribution import attribute
 from gapscope.analysis.gap.diagnosis import diagnose
 from gapscope.analysis.gap.effects import Effect, catalogue, register
+from gapscope.analysis.gap.fitting import fit
+from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.inverse_model import inverse_model
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
+from gapscope.analysis.gap.prediction import Predictor
 from gapscope.models.drive import (
     BACKWARD,
     BIAS,
@@ -174,3 +178,29 @@ def test_runs_in_which_nothing_moves_are_refused_in_words(nominal_logset):
     still = [replace(run, reference_rate=0.0 * run.reference_rate) for run in runs]
     with pytest.raises(InputError, match="the reference never moves"):
         machine.forms(still)
+
+
+def test_a_lone_run_that_moves_only_where_it_is_held_back_is_refused(nominal_logset, tmp_path):
+    folder = tmp_path / "set"
+    folder.mkdir()
+    document = yaml.safe_load((nominal_logset / "logset.yaml").read_text())
+    lone = next(run for run in document["runs"] if run["use"] == "fit")
+    document["runs"] = [lone]
+    (folder / "logset.yaml").write_text(yaml.safe_dump(document))
+    header, *_ = (nominal_logset / lone["file"]).read_text().splitlines()
+    moving = np.loadtxt(nominal_logset / lone["file"], delimiter=",", skiprows=1)
+    rest = np.repeat(moving[:1], 3 * len(moving), axis=0)
+    rest[:, 5:] = 0.0  # torques
+    table = np.vstack([rest, moving])
+    table[:, 0] = (moving[1, 0] - moving[0, 0]) * np.arange(len(table))
+    np.savetxt(folder / lone["file"], table, delimiter=",", comments="", fmt="%.6f", header=header)
+    with pytest.raises(InputError, match=r"never change.*held back for validation, and only it"):
+        diagnose(folder)
+
+
+def test_a_retuned_model_that_predicts_nothing_stays_what_others_are_measured_by(nominal_logset):
+    machine, runs = read_machine(load_logset(nominal_logset))
+    predictor = Predictor(machine, [run for run in runs if run.use == "fit"])
+    useless = replace(fit(predictor, Hypothesis()), converged=False)
+    (only,) = attribute(predictor, useless, [], 1e-3, 0, lambda text: None)
+    assert only.fit.hypothesis.forms == ()
