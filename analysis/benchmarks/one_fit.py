@@ -20,7 +20,7 @@ from .rounds import Contender, Group, Skipped, measure, rows
 
 NAME = "one-fit"
 SET, MOTION, EFFECT = "coulomb", "helical", "friction.coulomb"
-SAMPLES, STEPS = 500, 20
+SAMPLES, STEPS = 1500, 20
 OURS, DRAKE, MUJOCO = "gapscope", "scipy.optimize on a Drake diagram", "mujoco.sysid"
 # Relative, of the fitted levels of dry friction: the searches end at 1e-8 of their own criteria.
 TOLERANCE = 1e-2

@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from .bootstrap import energies
 from .hypothesis import Fit, Hypothesis
 from .machine import Array
 from .prediction import Predictor, Problem, flatten
@@ -51,7 +52,7 @@ def fit(
     at_bound = (x - problem.lower < 1e-4 * span) | (problem.upper - x < 1e-4 * span)
     residual = flatten(final)
     if searched or warm is None:
-        losses, samples = block_losses(_held_out(problem, final, jac, x, at_bound))
+        losses, samples = energies(_held_out(problem, final, jac, x, at_bound), BLOCKS)
     else:  # it is as good on held-out runs as its parent, but for the little it gained on fit runs
         losses, samples = warm.losses * np.mean(residual**2) / warm.rms**2, warm.samples
     held_out = float(np.sqrt(losses.sum() / samples.sum()))
@@ -78,12 +79,6 @@ def fit(
         finished=finished,
         searched=searched or warm is None,
     )
-
-
-def block_losses(residuals: Sequence[Array]) -> tuple[Array, Array]:
-    """Squared residuals summed over blocks of every run, and the number of values in each block."""
-    pieces = [piece for r in residuals for piece in np.array_split(r, min(BLOCKS, len(r)), axis=0)]
-    return np.array([np.sum(p**2) for p in pieces]), np.array([float(p.size) for p in pieces])
 
 
 def _held_out(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter, welch
+from scipy.signal import welch
 
 if TYPE_CHECKING:
     from .machine import RunData
@@ -42,14 +42,11 @@ def repeatability(residual: Array, period: int) -> Array | None:
 def quantisation_floor(lsb: float, bandwidth: float, dt: float, shifted: float = 0.0) -> float:
     """Rms prediction error that white quantisation noise alone causes.
 
-    Measurement noise reaches the error of the alpha-beta observer through ((z - 1) / (z - p))^2.
     ``shifted`` [samples] is how far linear interpolation has moved the readings.
     """
-    pole = np.exp(-bandwidth * dt)
-    impulse = np.zeros(int(50.0 / (bandwidth * dt)) + 10)
-    impulse[:2] = _interpolation(shifted)
-    response = lfilter([1.0, -2.0, 1.0], [1.0, -2.0 * pole, pole * pole], impulse)
-    return float(lsb / np.sqrt(12.0) * np.linalg.norm(response))
+    length = int(50.0 / (bandwidth * dt)) + 10  # samples after which its response is over
+    passed = _noise_filter(np.asarray(np.fft.fftfreq(length, dt), float), bandwidth, dt, shifted)
+    return float(lsb / np.sqrt(12.0) * np.sqrt(np.mean(np.abs(passed) ** 2)))
 
 
 def out_of_step(
@@ -70,7 +67,7 @@ def out_of_step(
         frequency, power = welch(
             repeated, 1.0 / run.dt, nperseg=min(SEGMENT, len(repeated)), axis=0
         )
-        passed = np.abs(_noise_filter(frequency, bandwidth, run)) ** 2
+        passed = np.abs(_noise_filter(frequency, bandwidth, run.dt, run.shifted)) ** 2
         high = frequency > NOISE_BAND * frequency[-1]
         level = power[high].sum() / passed[high].sum()
         seen += float(power.sum())
@@ -101,14 +98,15 @@ def white_noise(signal: Array) -> Array:
     return np.asarray(np.diff(signal, 3, axis=0) / np.sqrt(20.0))
 
 
-def _noise_filter(frequency: Array, bandwidth: float, run: "RunData") -> Array:
-    """Frequency response from measurement noise to prediction error: ((z - 1) / (z - p))^2.
+def _noise_filter(frequency: Array, bandwidth: float, dt: float, shifted: float) -> Array:
+    """Frequency response from measurement noise to prediction error.
 
-    Before it comes the interpolation that has moved the readings of the run, if any.
+    That of the alpha-beta observer is ((z - 1) / (z - p))^2. Before it comes the interpolation that has moved the
+    readings by ``shifted`` samples.
     """
-    z = np.exp(2j * np.pi * frequency * run.dt)
-    observer = ((z - 1.0) / (z - np.exp(-bandwidth * run.dt))) ** 2
-    return np.asarray(np.polyval(_interpolation(run.shifted), z) * observer)
+    z = np.exp(2j * np.pi * frequency * dt)
+    observer = ((z - 1.0) / (z - np.exp(-bandwidth * dt))) ** 2
+    return np.asarray(np.polyval(_interpolation(shifted), z) * observer)
 
 
 def _interpolation(shifted: float) -> Array:
@@ -162,7 +160,7 @@ def _white_floor(run: "RunData", residual: Array, bandwidth: float) -> float:
     """
     length = min(SEGMENT, len(residual))
     frequency, power = welch(residual, 1.0 / run.dt, nperseg=length, axis=0)
-    passed = np.abs(_noise_filter(frequency, bandwidth, run)) ** 2
+    passed = np.abs(_noise_filter(frequency, bandwidth, run.dt, run.shifted)) ** 2
     high = frequency > NOISE_BAND * frequency[-1]
     level = float(power[high].mean(axis=1).sum() / passed[high].sum())
     size = float(np.sqrt(level * np.sum(passed) * (frequency[1] - frequency[0])))

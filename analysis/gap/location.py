@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import csd, welch
 
+from . import bootstrap
 from .machine import Array, Machine, RunData
 from .regimes import SORTINGS, Sorting, since_reversal
 
@@ -175,9 +176,8 @@ def shares(names: Sequence[str], energies: Sequence[Array], rng: Any) -> list[di
     """Shares of columns of energies (samples, names), with block-bootstrap intervals."""
     blocks = np.array([b.sum(axis=0) for e in energies for b in np.array_split(e, BLOCKS, axis=0)])
     totals = blocks.sum(axis=0)
-    draws = blocks[rng.integers(0, len(blocks), (RESAMPLES, len(blocks)))].sum(axis=1)
-    drawn = draws / np.maximum(draws.sum(axis=1, keepdims=True), 1e-300)
-    low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
+    sums = blocks[bootstrap.draws(len(blocks), RESAMPLES, rng)].sum(axis=1)
+    low, high = bootstrap.interval(sums / np.maximum(sums.sum(axis=1, keepdims=True), 1e-300))
     return [
         {"name": name, "share": float(s), "ci95": [float(a), float(b)]}
         for name, s, a, b in zip(names, totals / (totals.sum() or 1.0), low, high)

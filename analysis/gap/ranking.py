@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from . import bootstrap
 from .hypothesis import Fit, price, price_of
 from .machine import Array
 
@@ -43,14 +43,13 @@ def rank(fits: Sequence[Fit], retuned: Fit, seed: int) -> list[Ranked]:
     losses = _shared_losses(chosen)
     prices = np.array([_fair_price(f, chosen) for f in chosen])
     samples = retuned.samples
-    rng = np.random.default_rng(seed)
-    draws = rng.integers(0, samples.size, (RESAMPLES, samples.size))
-    logs = _log_rms(losses, samples, draws)
+    drawn = bootstrap.draws(samples.size, RESAMPLES, np.random.default_rng(seed))
+    logs = np.log([bootstrap.resampled_rms(row, samples, drawn) for row in losses])
     wins = _shared_wins(_best_of_twins(logs + prices[:, None], _late_groups(chosen), chosen))
-    reference = _log_rms(retuned.losses[None], samples, draws)[0]
+    reference = np.log(bootstrap.resampled_rms(retuned.losses, samples, drawn))
     ranked = []
     for i, candidate in enumerate(chosen):
-        low, high = np.quantile(reference - logs[i], [0.025, 0.975])
+        low, high = bootstrap.interval(reference - logs[i])
         ranked.append(
             Ranked(
                 fit=candidate,
@@ -137,9 +136,3 @@ def _shared_wins(scores: Array) -> Array:
     """Draws won by each hypothesis of ``scores`` (hypotheses, draws); twins share theirs."""
     close = scores <= scores.min(axis=0) + TWIN
     return np.asarray((close / close.sum(axis=0)).sum(axis=1))
-
-
-def _log_rms(losses: Array, samples: Array, draws: NDArray[np.int64]) -> Array:
-    """Log rms (hypotheses, draws) of resampled blocks."""
-    count = samples[draws].sum(axis=1)
-    return np.array([0.5 * np.log(row[draws].sum(axis=1) / count) for row in losses])

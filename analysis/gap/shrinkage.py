@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from . import bootstrap
 from .floor import MEASURED
 from .hypothesis import Fit, Hypothesis
 from .machine import Array, Machine, RunData
@@ -59,7 +60,9 @@ def shrinkage(
     after = predictor.residuals(chosen.hypothesis, [chosen.values], chosen.keys)[0]
     floors, source = machine.floor(runs, after)
     parts = {
-        name: _blocks([machine.unexplained(r, run) for r, run in zip(kind, runs)])
+        name: bootstrap.energies(
+            [machine.unexplained(r, run) for r, run in zip(kind, runs)], BLOCKS
+        )
         for name, kind in zip(LEVELS, (raw, tuned, after, floors))
     }
     before, retuned_rms, after_rms, floor = (_rms(*part) for part in parts.values())
@@ -99,35 +102,26 @@ def _percent(
     """
     top, least = _rms(*before), _rms(*floor)
     draws = _draws(len(before[0]), seed)
-    b, a = _resampled(*before, draws), _resampled(*after, draws)
+    b, a = bootstrap.resampled_rms(*before, draws), bootstrap.resampled_rms(*after, draws)
     f = np.full(RESAMPLES, least)
     if floor_seed is not None:
-        f = _resampled(*floor, _draws(len(floor[0]), floor_seed + 1))
+        f = bootstrap.resampled_rms(*floor, _draws(len(floor[0]), floor_seed + 1))
     if min(top, float(np.quantile(b, 0.025))) <= SURE * max(least, float(np.quantile(f, 0.975))):
         return None, None
     sampled = 100.0 * (b - a) / np.maximum(b - f, (SURE - 1.0) * f)
-    low, high = np.quantile(sampled, [0.025, 0.975])
+    low, high = bootstrap.interval(sampled)
     return float(100.0 * (top - _rms(*after)) / (top - least)), (float(low), float(high))
 
 
 def _interval(energy: Array, count: Array, seed: int) -> Interval:
     """95 % interval of the rms."""
-    sampled = _resampled(energy, count, _draws(len(energy), seed))
-    low, high = np.quantile(sampled, [0.025, 0.975])
+    sampled = bootstrap.resampled_rms(energy, count, _draws(len(energy), seed))
+    low, high = bootstrap.interval(sampled)
     return float(low), float(high)
 
 
 def _draws(blocks: int, seed: int) -> NDArray[np.int64]:
-    return np.random.default_rng(seed).integers(0, blocks, (RESAMPLES, blocks))
-
-
-def _resampled(energy: Array, count: Array, draws: NDArray[np.int64]) -> Array:
-    return np.asarray(np.sqrt(energy[draws].sum(axis=1) / count[draws].sum(axis=1)))
-
-
-def _blocks(values: Sequence[Array]) -> tuple[Array, Array]:
-    pieces = [p for v in values for p in np.array_split(v, min(BLOCKS, len(v)), axis=0)]
-    return np.array([np.sum(p**2) for p in pieces]), np.array([float(p.size) for p in pieces])
+    return bootstrap.draws(blocks, RESAMPLES, np.random.default_rng(seed))
 
 
 def _rms(energy: Array, count: Array) -> float:

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from gapscope.analysis.gap.bootstrap import energies
 from gapscope.analysis.gap.floor import repeatability
-from gapscope.analysis.gap.shrinkage import _blocks, _percent
+from gapscope.analysis.gap.shrinkage import BLOCKS, _percent
 
 PERIOD, CYCLES, RUNS, TRIALS = 200, 3, 2, 150
 
@@ -12,9 +13,9 @@ def trial(random, gap):
     """A right model: before is a periodic gap and white noise, after and floor are noise alone."""
     noises = [random.standard_normal((PERIOD * CYCLES, 1)) for _ in range(RUNS)]
     phase = 2.0 * np.pi * np.arange(PERIOD * CYCLES) / PERIOD
-    before = _blocks([gap * np.sin(phase)[:, None] + noise for noise in noises])
-    floors = _blocks([repeatability(noise, PERIOD) for noise in noises])
-    return _percent(before, _blocks(noises), floors, 0, 0)
+    before = energies([gap * np.sin(phase)[:, None] + noise for noise in noises], BLOCKS)
+    floors = energies([repeatability(noise, PERIOD) for noise in noises], BLOCKS)
+    return _percent(before, energies(noises, BLOCKS), floors, 0, 0)
 
 
 def test_the_interval_covers_a_right_model_and_seldom_lies_above_it():
