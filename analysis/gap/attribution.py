@@ -8,7 +8,7 @@ hypothesis wins when the blocks of the held-out losses are resampled is its prob
 from collections.abc import Sequence
 
 from .effects import Form
-from .exchange import in_other_forms, richer
+from .exchange import in_other_forms, richer, with_twins
 from .growth import Progress
 from .hypothesis import Fit
 from .impacts import with_other_shifts
@@ -38,6 +38,8 @@ def attribute(
     if best.hypothesis.rough:
         fits += with_other_shifts(predictor, best, plain, progress)
     fits += richer(predictor, retuned, fits, best, refined, floor, progress)
+    best = min((f for f in fits if f.converged), key=lambda f: f.score, default=retuned)
+    fits += with_twins(predictor, best, selection.singles, progress)
     # Everything is measured against the retuned model, however badly it predicts.
     claims = [f for f in fits if f is retuned or (f.converged and not _holds_nothing(f))]
     return rank([f.called_by_values() for f in claims], retuned, seed)

@@ -11,6 +11,7 @@ from .growth import Progress
 from .hypothesis import Fit, Hypothesis
 from .prediction import Predictor
 from .pruning import pruned
+from .selection import twins
 
 DONE = 1.1  # a residual this close to the floor, as a ratio, calls for no richer form of another effect
 REFINED_REACH = 0.1  # of the score above the best one's, up to which a richer form is tried
@@ -30,7 +31,11 @@ def in_other_forms(
     for mine in hypothesis.forms:
         for other in forms:
             same = other.effect == mine.effect or other.effect in mine.contains
-            if not same or other.name == mine.name or other.effect in _others(hypothesis, mine):
+            if (
+                not same
+                or other.name == mine.name
+                or other.effect in _others(hypothesis, mine.effect)
+            ):
                 continue
             progress(f"{other.effect}, {other.name} in place of {mine.effect}, {mine.name}")
             swapped = hypothesis.without(mine.effect).with_form(other)
@@ -40,9 +45,40 @@ def in_other_forms(
     return found
 
 
-def _others(hypothesis: Hypothesis, form: Form) -> set[str]:
-    """Effects of the hypothesis but that of one form."""
-    return set(hypothesis.ids) - {form.effect}
+def with_twins(
+    predictor: Predictor, best: Fit, singles: Sequence[Fit], progress: Progress
+) -> list[Fit]:
+    """The best of several effects with one of them replaced by another that alone left the same.
+
+    Selection goes on from one of two such effects only: from which is chance.
+    """
+    hypothesis = best.hypothesis
+    if len(hypothesis.forms) < 2 or hypothesis.rough:
+        return []
+    alone = {f.hypothesis.forms[0].effect: f for f in singles if f.converged}
+    found = []
+    for effect in hypothesis.ids:
+        mine = alone.get(effect)
+        group = [f for f in alone.values() if mine is not None and (f is mine or twins(mine, f))]
+        for single in group if len(group) > 1 else []:
+            (form,) = single.hypothesis.forms
+            # The effect itself, too, in the form whose twin the other is.
+            if form in hypothesis.forms or form.effect in _others(hypothesis, effect):
+                continue
+            progress(f"{form.effect}, {form.name} in place of {effect}")
+            start = replace(
+                best,
+                keys=(*single.keys, *best.keys),  # where both have a value the later one counts
+                values=np.concatenate([single.values, best.values]),
+            )
+            swapped = hypothesis.without(effect).with_form(form)
+            found.append(pruned(predictor, fit(predictor, swapped, start, screen=-np.inf)))
+    return found
+
+
+def _others(hypothesis: Hypothesis, effect: str) -> set[str]:
+    """Effects of the hypothesis but one."""
+    return set(hypothesis.ids) - {effect}
 
 
 def richer(

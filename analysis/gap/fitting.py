@@ -42,7 +42,8 @@ def fit(
 
     ``warm`` is a fit whose values are starting points where the keys agree. A hypothesis whose
     linearised loss cannot fall below that of ``warm`` by the share ``screen`` is taken where the linear
-    step leads and not searched further; its held-out losses are those of ``warm``, scaled by that gain.
+    step leads and not searched further; its held-out losses are those of ``warm``, scaled by that gain, unless the
+    search for ``warm`` has not ended: held-out parameters, a step further, are far better than its own then.
     ``steps`` bounds the search; a fit that used them all is not ``finished``.
     """
     problem = Problem(predictor, hypothesis)
@@ -51,7 +52,7 @@ def fit(
     span = np.minimum(problem.upper - problem.lower, 1.0)
     at_bound = (x - problem.lower < 1e-4 * span) | (problem.upper - x < 1e-4 * span)
     residual = flatten(final)
-    if searched or warm is None:
+    if searched or warm is None or not warm.finished:
         losses, samples = energies(_held_out(problem, final, jac, x, at_bound), BLOCKS)
     else:  # it is as good on held-out runs as its parent, but for the little it gained on fit runs
         losses, samples = warm.losses * np.mean(residual**2) / warm.rms**2, warm.samples

@@ -117,12 +117,12 @@ def _beam(singles: Sequence[Fit]) -> list[Fit]:
     for candidate in singles:
         families = {f.hypothesis.forms[0].family for f in chosen} - {""}
         known = candidate.hypothesis.forms[0].family in families
-        if not known and len(chosen) < BEAM and not any(_twins(candidate, f) for f in chosen):
+        if not known and len(chosen) < BEAM and not any(twins(candidate, f) for f in chosen):
             chosen.append(candidate)
     return chosen
 
 
-def _twins(a: Fit, b: Fit) -> bool:
+def twins(a: Fit, b: Fit) -> bool:
     """Whether two fits leave the same, as a gain of the actuator and a scale of the encoder do."""
     apart = float(np.sum((a.residual - b.residual) ** 2))
     return apart < TWINS * float(np.sum(a.residual**2))
