@@ -53,7 +53,7 @@ def view(
         from ..view.scene import still_page
         from ..view.skeletons import skeleton
 
-        content, default = still_page(skeleton(machine)), ""
+        content, default = still_page(skeleton(machine)), "machine.html"
     else:
         from ..view.scene import slide
         from ..view.skeletons import skeleton
@@ -66,6 +66,8 @@ def view(
         )
         return
     path = out or Path("out") / default
+    if not path.suffix:  # browsers show a page without one as text
+        path = path.with_suffix(Path(default).suffix)
     output_folder(path.parent)
     write_whole(path, content)
     typer.echo(path)

@@ -134,12 +134,12 @@ def _row(d: Named) -> dict[str, Any]:
     levels = {name: s.get(name) for name in ("before", "retuned", "after", "floor")}
     ends = s.get("intervals_ci95") or {}
     top = max((v for v in levels.values() if v), default=1.0)
-    strongest = max((e["probability"] for e in d.content["effects"]), default=None)
+    weakest = min((e["probability"] for e in d.content["effects"]), default=None)
     return {
         "name": d.name,
         "kind": d.content["verdict"],
         "verdict": VERDICTS[d.content["verdict"]],
-        "confidence": "" if strongest is None else confidence(strongest),
+        "confidence": "" if weakest is None else confidence(weakest),
         "percent": "–" if s.get("percent") is None else f"{s['percent']:.1f} %",
         "interval": "" if not s.get("ci95") else interval(s["ci95"], "%"),
         "metric": s.get("metric", ""),

@@ -61,6 +61,14 @@ def test_it_says_first_what_they_share_and_where_they_part(folders):
     assert "Named in every one: friction.coulomb." in headline(load(folders[:2]))
 
 
+def test_confidence_is_that_of_the_weakest_effect(folders):
+    content = json.loads((folders[1] / "diagnosis.json").read_text())
+    content["effects"][1]["probability"] = 0.75
+    (folders[1] / "diagnosis.json").write_text(json.dumps(content))
+    text = page(load(folders[:2]))
+    assert text.count("<td>high</td>") == text.count("<td>moderate</td>") == 1
+
+
 def test_page_is_well_formed_and_holds_every_number(folders):
     outline = Outline(page(load(folders)))
     words = outline.words
