@@ -31,10 +31,14 @@ def excitation(study: Study) -> Figure:
     t = np.linspace(0.0, best.excitation.motion.period, 1200)
     q, v, _ = best.excitation.sample(t)
     unit, factor = ("deg", 180.0 / np.pi) if m.unit == "rad" else ("mm", 1e3)
-    _joint_space(plane, study, factor)
-    plane.plot(factor * q[:, 0], factor * q[:, 1], color=VERMILION, lw=1.2, label="motion")
-    plane.plot(*(factor * best.excitation.start[:2]), "o", color=VERMILION, label="start")
-    plane.set(xlabel=f"axis 1 [{unit}]", ylabel=f"axis 2 [{unit}]", title="joint space")
+    if m.axes > 1:
+        _joint_space(plane, study, factor)
+        shown, name, title = factor * q, f"axis 2 [{unit}]", "joint space"
+    else:  # one axis: what the motion sees of its positions and speeds
+        shown, name, title = factor * np.hstack([q, v]), f"speed [{unit}/s]", "phase plane"
+    plane.plot(shown[:, 0], shown[:, 1], color=VERMILION, lw=1.2, label="motion")
+    plane.plot(shown[0, 0], shown[0, 1], "o", color=VERMILION, label="start")
+    plane.set(xlabel=f"axis 1 [{unit}]", ylabel=name, title=title)
     plane.legend(loc="best", fontsize=8)
     for axis, colour in zip(range(m.axes), (BLUE, ORANGE, VERMILION)):
         rates.plot(t, factor * v[:, axis], color=colour, lw=1.2, label=f"axis {axis + 1}")

@@ -52,10 +52,11 @@ def summarise(study: Study) -> None:
         )
     console.print(rows)
     held = found["intervals"]
-    console.print(
-        f"intervals held the planted value in {held['held']} of {held['of']} "
-        f"({held['repeats']} repetitions of the noise)"
-    )
+    if held["repeats"]:
+        console.print(
+            f"intervals held the planted value in {held['held']} of {held['of']} "
+            f"({held['repeats']} repetitions of the noise)"
+        )
     errors = ", ".join(f"{name} {1e2 * value:.1f} %" for name, value in study.errors.items())
     console.print(f"force error on another motion: {errors}")
 

@@ -1,7 +1,8 @@
 """A closed chain described by its bodies and closures: what any machine needs for dynamics and identification.
 
 A tree of links, each on one joint of its parent, and closures that hold the cut loops together. Link frames are
-parallel to W where all coordinates are zero. ``systems.closed_chain`` makes a plant of it, ``sdf`` a file.
+parallel to W where all coordinates are zero. ``systems.closed_chain`` makes a plant of it, ``sdf`` a file; ``analysis.identification.machine.of_chain`` and ``study.run``
+identify it, as ``analysis.examples.own_closed_chain`` does with a four-bar.
 """
 
 from collections.abc import Sequence

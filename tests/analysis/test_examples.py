@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from matplotlib import image
 
@@ -10,6 +11,7 @@ from gapscope.analysis.examples import (
     blind,
     calibration,
     controllers,
+    own_closed_chain,
     own_effect,
     own_robot,
     workspace,
@@ -87,3 +89,17 @@ def test_blind_check_opens_what_it_sealed(tmp_path, monkeypatch):
     assert not any("answer" in line for line in (case.logset / "logset.yaml").read_text().split())
     assert result.verdict.verdict in {"explained", "no_gap", "ambiguous", "unexplained"}
     assert drawn(tmp_path / "blind.png")
+
+
+@pytest.mark.slow
+def test_own_closed_chain_is_identified(tmp_path):
+    """A four-bar with parameters up to 20 % off: the identified ones predict another motion near the noise."""
+    found = own_closed_chain.main(tmp_path)
+    assert len(found.base.kept) == len(found.by_qr.kept) == 10
+    planted = found.base.combination @ found.truth
+    assert (np.abs(found.fitted.values - planted) <= 2.0 * found.fitted.half_width).all()
+    assert found.errors["feasible"] < 2.0 * found.errors["planted"]
+    assert found.errors["feasible"] < 0.1 * found.errors["theoretical, no friction"]
+    for name in ("excitation.png", "parameters.png", "validation.png"):
+        assert drawn(tmp_path / name)
+    assert (tmp_path / "four_bar.sdf").exists()

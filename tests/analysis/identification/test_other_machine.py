@@ -1,9 +1,11 @@
 """A machine that is none of the package's: a slider-crank in the gravity field, given by bodies and closure alone."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from gapscope.analysis.identification import excitation, machine, measurement, study
+from gapscope.analysis.identification import excitation, figures, machine, measurement, study
 from gapscope.analysis.identification.estimate import fit
 from gapscope.models.closure import Closure
 from gapscope.models.parallel.chain import Chain, planar
@@ -73,6 +75,15 @@ def test_regressor_is_the_machine_s_dynamics(generic):
     q, v, a = generic.random_states(30, 1)
     found = generic.full_regressor(q, v, a)[:, 0, :] @ np.concatenate([generic.prior, [0.0, 0.0]])
     assert found == pytest.approx(torque(q, v, a)[:, 0], rel=1e-7, abs=1e-8)
+
+
+def test_motion_of_one_axis_is_drawn_in_its_phase_plane(generic):
+    series = excitation.Series(1.0, np.zeros((1, 4)), np.array([[0.5, 0.0, 0.1, 0.0]]))
+    best = excitation.Search("random", 1.0, 1, excitation.Excitation(generic.start, series))
+    figure = figures.excitation(SimpleNamespace(machine=generic, best=best))
+    plane = figure.axes[0]
+    assert plane.get_title() == "phase plane"
+    assert np.ptp(plane.lines[0].get_ydata()) > 1e3  # [mm/s]
 
 
 @pytest.mark.slow
