@@ -178,6 +178,7 @@ def sysid_fit(
     parameters = sysid.ParameterDict()
     for i, (x, low, high) in enumerate(zip(start, lower, upper)):
         parameters.add(sysid.Parameter(f"x{i}", x, low, min(high, UNBOUNDED)))
+    parameters.move_off_bounds()  # as it asks for: its steps shrink to nothing at a bound
     with contextlib.redirect_stdout(io.StringIO()):  # it prints every iteration
         _, found = sysid.optimize(
             parameters,
