@@ -20,12 +20,13 @@ def main(folder: Path) -> dict[str, tuple[float, float]]:
     plant, settings = c_drive.drive(CDriveParameters()), sampled_controllers(CDriveParameters())
     figure, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(8, 5), layout="constrained")
     errors = {}
-    for (name, controller), colour in zip(settings.items(), (BLUE, VERMILION, GREEN)):
+    looks = ((BLUE, "-"), (VERMILION, "-"), (GREEN, "--"))  # two may lie on each other
+    for (name, controller), (colour, line) in zip(settings.items(), looks):
         run = benchmark_run(plant, controller, "helical", Conditions(rate=2.0))
         u, theta = np.sqrt(np.mean(run.error**2, axis=0))
         errors[name] = (float(u), float(theta))
-        top.plot(run.time, 1e3 * run.error[:, 0], color=colour, label=name.upper())
-        bottom.plot(run.time, 1e3 * run.error[:, 1], color=colour)
+        top.plot(run.time, 1e3 * run.error[:, 0], color=colour, ls=line, label=name.upper())
+        bottom.plot(run.time, 1e3 * run.error[:, 1], color=colour, ls=line)
     top.set_ylabel("translation error [mm]")
     bottom.set_ylabel("rotation error [mrad]")
     bottom.set_xlabel("time [s]")
@@ -33,7 +34,7 @@ def main(folder: Path) -> dict[str, tuple[float, float]]:
     top.set_title(
         f"Helical motion at 2 Hz: {best.upper()} has the least translation error", loc="left"
     )
-    top.legend(frameon=False, ncols=3)
+    figure.legend(loc="outside lower center", frameon=False, ncols=3)
     figure.savefig(output_folder(folder) / "controllers.png", dpi=120)
     plt.close(figure)
     return errors

@@ -10,6 +10,7 @@ from .base import Material, Section
 from .words import confidence, listed, meaning, number, percent, place, places
 
 REMAINDER = 1.5  # times the floor from which on what is left is said in front
+EVEN = 0.02  # difference of shares that says nothing about where
 NOTES = 2  # on how the log was read that stand in front
 
 TITLES = {
@@ -184,7 +185,11 @@ def _how_far(d: Diagnosis) -> str:
         )
     ends = f"95 % interval {s.ci95[0]:.1f} to {s.ci95[1]:.1f}\N{NO-BREAK SPACE}% on these motions"
     verb = "falls" if s.after < s.before else "goes"
-    model = "with this in the model" if d.verdict.accepted or d.findings else "by retuning alone"
+    accepted = d.verdict.accepted
+    count = len(d.findings) + (len(accepted.fit.hypothesis.ids) if accepted else 0)
+    model = (
+        f"with {'this' if count == 1 else 'these'} in the model" if count else "by retuning alone"
+    )
     left = s.after / s.floor
     rest = f" What is left is {number(left)} times the floor." if left > REMAINDER else ""
     return (
@@ -197,14 +202,17 @@ def _where(d: Diagnosis) -> str:
     if d.verdict.verdict == "no_gap":
         return ""
     parts = []
-    for key, words in (("joints", "on {}"), ("regimes", "while {}"), ("bands", "in {}")):
+    for key, words in (("joints", "on {}"), ("regimes", "in the regime “{}”"), ("bands", "in {}")):
         rows = d.location.get(key, [])
         if len(rows) > 1:
             top = max(rows, key=lambda row: row["share"])
-            name = (
-                f"in the regime “{top['name']}”" if key == "regimes" else words.format(top["name"])
-            )
-            parts.append(f"{percent(top['share'])} {name}")
+            as_much = [row["name"] for row in rows if top["share"] - row["share"] < EVEN]
+            if len(as_much) == 1:
+                parts.append(f"{percent(top['share'])} {words.format(top['name'])}")
+            elif len(as_much) == len(rows):
+                parts.append(f"evenly {words.format(listed(as_much))}")
+            else:
+                parts.append(f"{percent(top['share'])} each {words.format(listed(as_much))}")
     return f"Where it lies: {listed(parts)}." if parts else ""
 
 

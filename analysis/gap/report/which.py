@@ -130,9 +130,19 @@ def _values_of(fit: Fit, machine: Machine) -> list[tuple[tuple[str, str], dict[s
             "value": number(float(value), unit, digits_of(float(value), half)),
             "interval": interval((value - half, value + half), unit),
             "at_bound": _at_bound(float(value), free[key]),
+            "note": _note(float(value), half, free[key]),
         }
         rows.append((key, row))
     return rows
+
+
+def _note(value: float, half: float, p: Parameter) -> str:
+    """What to know about a fitted value: at a bound, or less certain than its whole range to a side."""
+    if _at_bound(value, p):
+        return "at the end of its range"
+    if value - half < p.lower or value + half > p.upper:
+        return "interval passes the end of its range"
+    return ""
 
 
 def _at_bound(value: float, p: Parameter) -> bool:
@@ -159,7 +169,7 @@ def _own(d: Diagnosis) -> list[dict[str, Any]]:
             {
                 "name": p.name,
                 "nominal": number(p.starts[0], p.unit),
-                "tolerance": interval((p.lower, p.upper)),
+                "tolerance": interval((p.lower, p.upper), p.unit),
                 "retuned": _marked(alone),
                 "chosen": _marked(beside) if beside else "held: an effect takes its place",
             }

@@ -133,6 +133,29 @@ def test_verdict_comes_first_and_says_effect_place_confidence_and_how_far(diagno
     assert "at the end of its range" not in said
 
 
+def test_where_names_no_winner_among_equals(diagnosed):
+    d = diagnosed["friction"]
+    equal = [{"name": name, "share": share} for name, share in (("left", 0.504), ("right", 0.496))]
+    said = outline(replace(d, location={"joints": equal})).words
+    assert "Where it lies: evenly on left and right." in said
+    apart = [{"name": name, "share": share} for name, share in (("left", 0.6), ("right", 0.4))]
+    assert "Where it lies: 60 % on left." in outline(replace(d, location={"joints": apart})).words
+
+
+def test_tolerance_has_its_unit_and_a_wide_interval_its_note(diagnosed, page):
+    said = Outline(page).words
+    assert re.search(r"tolerance retuned alone .*? kg m² [\d.]+ to [\d.]+ kg m²", said)
+    p = next(p for p in diagnosed["friction"].machine.own)
+    middle = 0.5 * (p.lower + p.upper)
+    assert which._note(middle, p.upper - p.lower, p) == "interval passes the end of its range"
+    assert which._note(middle, 0.0, p) == ""
+
+
+def test_command_in_the_next_experiment_is_marked_up(page):
+    assert "<code>gapscope design LOGSET</code>" in page
+    assert "`" not in Outline(page).words
+
+
 def test_how_far_has_an_interval_beside_each_measured_level(diagnosed, page):
     s = diagnosed["friction"].shrinkage
     assert s.after < s.retuned <= s.before
