@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import Gain
+from typer.testing import CliRunner
 
+from gapscope.analysis.cli import app
 from gapscope.analysis.errors import InputError
 from gapscope.analysis.view import scene
 from gapscope.analysis.view.block_diagram import svg
@@ -159,3 +161,17 @@ def test_a_diagram_of_the_users_own_file(tmp_path):
         diagram("elsewhere.py:build")
     with pytest.raises(InputError, match="one of c-drive, c-drive-ts"):
         diagram("toaster")
+
+
+@pytest.mark.parametrize(
+    ("what", "suffix", "holds"),
+    [(("slider",), ".html", "<html"), (("stick-slip", "--blocks"), ".svg", "<svg")],
+)
+def test_a_name_without_a_suffix_gets_the_one_of_its_content(tmp_path, what, suffix, holds):
+    given = (["view", *what, "--out", str(tmp_path / name)] for name in ("a", "b.page"))
+    for arguments, name in zip(given, (f"a{suffix}", "b.page"), strict=True):
+        done = CliRunner().invoke(app, arguments)
+        assert done.exit_code == 0, done.output + str(done.exception)
+        assert done.output.strip() == str(tmp_path / name)
+        assert holds in (tmp_path / name).read_text()[:2000]
+    assert len(list(tmp_path.iterdir())) == 2
