@@ -33,6 +33,7 @@ app = typer.Typer(
     name="gapscope",
     help="Where is the sim-to-real gap, what causes it, and how far does it shrink?",
     no_args_is_help=True,
+    rich_markup_mode="markdown",  # the default drops what is in brackets: units, names of extras
     pretty_exceptions_enable=False,
 )
 app.add_typer(simulate.app, name="simulate")

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from typer import Context
 from typer.main import get_command
+from typer.testing import CliRunner
 
 from gapscope.analysis.cli import app
 from gapscope.analysis.errors import InputError
@@ -89,6 +90,14 @@ def commands(command):
         yield command
     for below in getattr(command, "commands", {}).values():
         yield from commands(below)
+
+
+def test_help_shows_what_stands_in_brackets():
+    """Units and names of extras, which markup would take for styles."""
+    shown = CliRunner().invoke(app, ["workspace", "pmc", "--help"]).output
+    assert "gapscope[cluster]" in shown
+    shown = CliRunner().invoke(app, ["import", "--help"], env={"COLUMNS": "120"}).output
+    assert "[s]" in shown
 
 
 def test_every_command_refuses_an_unwritable_out_before_it_begins(tmp_path):

@@ -35,6 +35,12 @@ def import_logs(
             help="NAME=COLUMN[:UNIT] instead of a guess, t=COLUMN for the time; repeatable."
         ),
     ] = None,
+    controller: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Which controller of --model was running: ID, or FILE=ID for one file; repeatable."
+        ),
+    ] = None,
     validate: Annotated[
         list[Path] | None, typer.Option(help="A file kept for validation; repeatable.")
     ] = None,
@@ -72,6 +78,8 @@ def import_logs(
         plan = plan.state(*_assignment(text))
     console = Console()
     _show(console, plan)
+    for name in sorted(plan.columns.keys() - (wanted or plan.columns).keys()):
+        typer.echo(f"note: {name} is no column of this machine; it is kept as one more.")
     asking = _interactive() and not yes
     if asking:
         plan = _ask(plan)
@@ -84,7 +92,8 @@ def import_logs(
         )  # fmt: skip
     imported = importing.carry_out(
         plan, paths, name=out.resolve().name, system=importing.description(described, kind),
-        validate=validate or [], sample_time=sample_time, rate=rate, resample=resample, form=form,
+        validate=validate or [], controllers=controller or [], sample_time=sample_time, rate=rate,
+        resample=resample, form=form,
     )  # fmt: skip
     for remark in imported.document.get("remarks", []):
         console.print(f"note: {remark}", markup=False, highlight=False)
@@ -143,7 +152,10 @@ def _show(console: Any, plan: "Plan") -> None:
 
     from ..gap.importing import SURE
 
-    table = Table("log set", "from the log", "unit of the log", "sure", "why", title=plan.path.name)
+    table = Table("log set", title=plan.path.name)
+    table.add_column("from the log", overflow="fold")  # --column takes the whole name
+    for head in ("unit of the log", "sure", "why"):
+        table.add_column(head)
     taken = {"t": plan.time, **plan.columns} if plan.time else dict(plan.columns)
     for name, guess in taken.items():
         assert guess is not None

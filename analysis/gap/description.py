@@ -241,6 +241,11 @@ def _entry(where: str, entry: Any, path: Path, controllers: Mapping[str, Any]) -
     if use not in ("fit", "validate"):
         raise InputError(where, f"use is {shown(use)}", "fit or validate")
     controller = str(entry.get("controller", next(iter(controllers))))
+    if "controller" not in entry and len(controllers) > 1:
+        raise InputError(
+            where, "no controller", f"which of {', '.join(sorted(controllers))} the run was recorded under",
+            "Add `controller: ID` to the run.",
+        )  # fmt: skip
     if controller not in controllers:
         raise InputError(
             where, f"controller is {shown(controller)}", f"one of {', '.join(sorted(controllers))}"

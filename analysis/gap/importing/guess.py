@@ -111,6 +111,8 @@ def guess_columns(group: Signals, time: Source | None) -> list[Guess]:
 
 def _guess(name: str, group: Signals) -> Guess:
     role, sure, why = _role(name)
+    if role == POSITION and _role(group.name)[0] == REFERENCE:
+        role, why = REFERENCE, f"a position of {group.name}"
     stated = _stated_unit(name, group.units)
     unit = stated[0] if stated else ""
     if stated:
@@ -135,12 +137,14 @@ def _role(name: str) -> tuple[str, float, str]:
 
 
 def _tell_reference(group: Signals, guesses: list[Guess]) -> list[Guess]:
-    """Where positions have no named reference: of two nearly equal columns, the earlier is it."""
+    """Where positions have no named reference: of two nearly equal columns of a joint, the earlier is it."""
     if any(g.role == REFERENCE for g in guesses):
         return guesses
     positions = [g for g in guesses if g.role == POSITION]
     for i, first in enumerate(positions):
         for second in positions[i + 1 :]:
+            if _joint(first.source.column) != _joint(second.source.column):
+                continue
             a, b = (group.columns[g.source.column] for g in (first, second))
             if a.std() and b.std() and np.corrcoef(a, b)[0, 1] > 0.95:
                 early, late = (first, second) if _leads(a, b) else (second, first)

@@ -1,6 +1,6 @@
 """What an import would do: which column of the files becomes which column of the log set, and how sure."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -34,10 +34,13 @@ class Plan:
         return [f"{n} from {g.source} ({g.why})" for n, g in taken.items() if g and g.sure < SURE]
 
     def require_all(self) -> None:
-        """InputError names the columns nothing was found for."""
+        """InputError names the columns nothing was found for, and those that are left for them."""
         if self.missing:
+            taken = {guess.source for guess in self.columns.values()}
+            left = ", ".join(str(g.source) for g in self.guesses if g.source not in taken)[:400]
             raise InputError(
-                self.path, f"nothing that would be {', '.join(self.missing)}", "a column for each",
+                self.path, f"nothing that would be {', '.join(self.missing)}",
+                f"a column for each{f', of {left}' if left else ''}",
                 f"State it: --column {self.missing[0]}=COLUMN[:UNIT]",
             )  # fmt: skip
 
@@ -151,6 +154,41 @@ def scale(name: str, guess: Guess, text: str) -> float:
             f"If the log is in {target}, say so: --column {name}={guess.source}:{target}",
         )  # fmt: skip
     return found
+
+
+def controller_of_runs(
+    system: Mapping[str, Any], paths: Sequence[Path], stated: Sequence[str]
+) -> dict[Path, str]:
+    """Which of several ``controllers`` each file was recorded under; empty where there is one.
+
+    ``stated`` holds ID for every file or FILE=ID for one. Raises InputError where a file has none.
+    """
+    known = [str(name) for name in system.get("controllers", ())]
+    if not known and not stated:
+        return {}
+    found: dict[Path, str] = {}
+    for text in sorted(stated, key=lambda text: "=" in text):  # those of one file come last
+        file, _, name = text.rpartition("=")
+        if name not in known:
+            raise InputError("--controller", repr(name), _one_of(known, "controllers of the model"))
+        meant = [path for path in paths if not file or file in (str(path), path.name)]
+        if not meant:
+            raise InputError("--controller", repr(file), _one_of(map(str, paths), "files"))
+        found.update(dict.fromkeys(meant, name))
+    bare = [path for path in paths if path not in found]
+    if len(known) == 1:
+        return {**dict.fromkeys(bare, known[0]), **found}
+    if bare:
+        raise InputError(
+            bare[0], "no controller is stated", f"which of {', '.join(known)} it was recorded under",
+            f"State it: --controller {known[0]} for every file, --controller {bare[0].name}={known[0]} for one.",
+        )  # fmt: skip
+    return found
+
+
+def _one_of(names: Iterable[str], what: str) -> str:
+    text = ", ".join(names)
+    return f"one of {text}" if text else f"none: it has no {what}"
 
 
 def description(model: Mapping[str, Any] | None, kind: str | None) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from ..sampling import SHORTEST_RUN
 from ..tables import Array, Signals, read
 from ..tables.base import optional
 from .clock import on_one_clock
-from .plan import Plan, scale, values
+from .plan import Plan, controller_of_runs, scale, values
 from .units import factor
 
 FORMATS = ("csv", "csv.gz", "parquet")
@@ -45,6 +45,7 @@ def carry_out(
     name: str,
     system: Mapping[str, Any],
     validate: Sequence[Path] = (),
+    controllers: Sequence[str] = (),
     sample_time: float | None = None,
     rate: float | None = None,
     resample: bool = False,
@@ -53,10 +54,12 @@ def carry_out(
     """Bring every file onto one uniform clock in the units of the log set.
 
     ``system`` has the keys ``system`` and ``controller(s)``; files in ``validate`` become validation
-    runs; ``rate`` [Hz] counts rows instead of times; ``form`` is one of FORMATS. Raises InputError
-    for missing columns, units that do not convert, and clocks that need ``resample``.
+    runs; ``controllers`` says which of several each file was recorded under (ID, or FILE=ID); ``rate``
+    [Hz] counts rows instead of times; ``form`` is one of FORMATS. Raises InputError for missing
+    columns, units that do not convert, a controller that is open, and clocks that need ``resample``.
     """
     plan.require_all()
+    controller = controller_of_runs(system, paths, controllers)
     dt = sample_time or (1.0 / rate if rate else None)
     tables: dict[str, Mapping[str, Array]] = {}
     runs, remarks = [], []
@@ -69,7 +72,8 @@ def carry_out(
             raise InputError(path, f"{len(table['t'])} samples", f"at least {SHORTEST_RUN}")
         file = _file_name(path, form, tables)
         tables[file] = table
-        runs.append({"file": file, "use": "validate" if path in validate else "fit"})
+        chosen = {"controller": controller[path]} if path in controller else {}
+        runs.append({"file": file, **chosen, "use": "validate" if path in validate else "fit"})
         remarks.extend(notes)
         remarks.extend(f"{path.name}: {text}." for group in groups for text in group.remarks)
     document = {

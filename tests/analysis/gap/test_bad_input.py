@@ -186,6 +186,15 @@ def test_a_description_that_cannot_be_is_one_error(read, change, words):
     assert "\n" not in str(caught.value)
 
 
+def test_a_run_of_several_controllers_says_which(read):
+    def open_choice(document):
+        law = document.pop("controller")
+        document["controllers"] = {"soft": law, "hard": law}
+
+    with pytest.raises(InputError, match=r"runs\[0\]: no controller; expected which of hard, soft"):
+        read("furuta", open_choice)
+
+
 def test_each_run_of_a_rotary_pendulum_has_its_own_law(read):
     def two(document):
         law = document.pop("controller")["law"]

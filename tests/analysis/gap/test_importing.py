@@ -1,6 +1,7 @@
 """The import wizard: guesses with reasons, questions where unsure, a log set that can be read."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -43,7 +44,8 @@ def run(*arguments, **options):
 
 
 def test_roles_units_and_joints_are_guessed_and_converted(motors, nominal_logset, tmp_path):
-    done = run("import", motors, "--model", nominal_logset, "--out", tmp_path / "set", "--yes")
+    given = ("--model", nominal_logset, "--controller", "pd", "--out", tmp_path / "set", "--yes")
+    done = run("import", motors, *given)
     assert done.exit_code == 0, done.output + str(done.exception)
     log = load_logset(tmp_path / "set")
     assert log.dt == 0.002
@@ -169,3 +171,64 @@ def test_the_sample_time_is_rounded_only_where_nobody_can_see_it():
     assert sample_time(0.001 * np.arange(10_000)) == 0.001
     assert sample_time(np.arange(10_000) / 190.0) == pytest.approx(1.0 / 190.0, rel=0.02 / 10_000)
     assert sample_time(0.00100002 * np.arange(10_000)) == pytest.approx(0.00100002, rel=1e-9)
+
+
+def joint_topics(path, names):
+    """A log of two topics with a position of every name, one of them the reference by its topic alone."""
+    with open(path, "wb") as stream:
+        writer = pytest.importorskip("mcap.writer").Writer(stream)
+        writer.start()
+        for topic, lag in (("/joint_states", 0.01), ("/joint_reference", 0.0)):
+            channel = writer.register_channel(topic, "json", 0)
+            for t in T:
+                fields = {f"position_{name}": np.sin(9.0 * (t - lag)) for name in names}
+                if lag:
+                    fields["heat"] = 20.0 + t
+                at = round(1e9 * t)
+                writer.add_message(channel, at, json.dumps(fields).encode(), at)
+        writer.finish()
+    return path
+
+
+def test_a_topic_of_references_is_known_by_its_name(tmp_path):
+    path = joint_topics(tmp_path / "log.mcap", "LR")
+    wanted = {"psi_L_ref": "rad", "psi_L": "rad", "psi_R_ref": "rad", "psi_R": "rad", "tau_L": "Nm"}
+    plan = make_plan(path, wanted)
+    assert {name: str(guess.source) for name, guess in plan.columns.items()} == {
+        "psi_L_ref": "/joint_reference:position_L", "psi_L": "/joint_states:position_L",
+        "psi_R_ref": "/joint_reference:position_R", "psi_R": "/joint_states:position_R",
+    }  # fmt: skip
+    with pytest.raises(
+        InputError, match=r"tau_L; expected a column for each, of /joint_states:heat"
+    ):
+        plan.require_all()
+
+
+def test_each_run_says_which_of_several_controllers_was_running(nominal_logset, tmp_path):
+    model = yaml.safe_load((nominal_logset / "logset.yaml").read_text())
+    first, second = model["controllers"] = {"hard": {"kind": "pd"}, "soft": {"kind": "pd"}}
+    (tmp_path / "logset.yaml").write_text(yaml.safe_dump(model))
+    tables = [nominal_logset / f"run{i}.csv" for i in (1, 2)]
+    given = ("import", *tables, "--model", tmp_path, "--yes", "--out", tmp_path / "set")
+    for stated, words in (
+        ((), r"run1\.csv: no controller is stated; expected which of hard, soft"),
+        ((f"run1.csv={first}",), r"run2\.csv: no controller is stated"),
+        (("stiff",), "'stiff'; expected one of hard, soft"),
+        ((f"run9.csv={first}",), "'run9.csv'; expected one of .*run1"),
+    ):
+        done = run(*given, *(part for text in stated for part in ("--controller", text)))
+        assert isinstance(done.exception, InputError)
+        assert re.search(words, str(done.exception)), done.exception
+        assert not (tmp_path / "set").exists()
+    done = run(*given, "--controller", f"run2.csv={second}", "--controller", first)
+    assert done.exit_code == 0, str(done.exception)
+    runs = yaml.safe_load((tmp_path / "set" / "logset.yaml").read_text())["runs"]
+    assert [entry["controller"] for entry in runs] == [first, second]
+
+
+def test_a_column_the_machine_does_not_have_is_said(motors, nominal_logset, tmp_path):
+    given = ("--model", nominal_logset, "--controller", "pd", "--out", tmp_path / "set", "--yes")
+    done = run("import", motors, *given, "--column", "psy_L=enc_left")
+    assert done.exit_code == 0, str(done.exception)
+    assert "note: psy_L is no column of this machine" in done.output
+    assert "psi_L is no column" not in done.output
