@@ -17,7 +17,11 @@ from .effects.dry_friction import FAMILY
 from .machine import Array, Parameter, RunData
 from .rigid_machine import RigidMachine, RigidPlant, RigidRun
 
-SIGN_WIDTH = 0.02  # of the smoothed sign, as a share of the rms speed
+SIGN_WIDTH = 0.02  # of the smoothed sign of the nominal dry friction, as a share of the rms speed
+WIDTHS = (
+    0.005,
+    0.2,
+)  # that dry friction found in the data may have: steeper ones ask for short steps
 LARGEST_DELAY = 20.0  # samples
 
 
@@ -131,12 +135,34 @@ def _levels(machine: RigidMachine, s: Sizes) -> list[Parameter]:
     return _each(machine, "level_", machine.effort_unit, s.effort, lower=0.0)
 
 
+def _width() -> Parameter:
+    """Share of each joint's rms speed over which the smoothed sign changes."""
+    low, high = WIDTHS
+    return parameter("width_share", "-", SIGN_WIDTH, lower=low, upper=high, starts=(SIGN_WIDTH,))
+
+
+def _dry(machine: RigidMachine, s: Sizes) -> Callable[[RigidPlant, Values], None]:
+    """Levels with a smoothed sign of the given width."""
+    levels = _adder(machine, "level_", law.DRY)
+
+    def apply(plant: RigidPlant, values: Values) -> None:
+        levels(plant, values)
+        plant.joints.law[:, law.WIDTH] = values["width_share"] * s.rate
+
+    return apply
+
+
 def coulomb(machine: RigidMachine, s: Sizes) -> list[Form]:
     """A level for each joint, with a smoothed sign."""
-    apply = _adder(machine, "level_", law.DRY)
     return [
         per_joint(
-            "friction.coulomb", "smoothed sign", "level_", _levels(machine, s), apply, family=FAMILY
+            "friction.coulomb",
+            "smoothed sign",
+            "level_",
+            [*_levels(machine, s), _width()],
+            _dry(machine, s),
+            shapes=frozenset({"width_share"}),
+            family=FAMILY,
         )
     ]
 
@@ -147,10 +173,10 @@ def stribeck(machine: RigidMachine, s: Sizes) -> list[Form]:
     speed = parameter(
         "stribeck_speed_share", "-", 0.2, lower=0.03, upper=2.0, starts=(0.2, 0.6)
     )  # of each joint's rms speed
-    levels = _adder(machine, "level_", law.DRY)
+    dry = _dry(machine, s)
 
     def apply(plant: RigidPlant, values: Values) -> None:
-        levels(plant, values)
+        dry(plant, values)
         for j, name in enumerate(machine.joints):
             extra = values["breakaway_share"] * values.get(f"level_{name}", 0.0)
             plant.joints.law[j, law.BREAKAWAY] += extra
@@ -161,9 +187,9 @@ def stribeck(machine: RigidMachine, s: Sizes) -> list[Form]:
             "friction.stribeck",
             "Gaussian decay",
             "level_",
-            [*_levels(machine, s), share, speed],
+            [*_levels(machine, s), share, speed, _width()],
             apply,
-            shapes=frozenset({"breakaway_share", "stribeck_speed_share"}),
+            shapes=frozenset({"breakaway_share", "stribeck_speed_share", "width_share"}),
             contains=DRY_FRICTION,
             family=FAMILY,
             price=RARE,
