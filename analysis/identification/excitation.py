@@ -1,9 +1,20 @@
 r"""Exciting motions: Fourier series inside the limits with a small condition number (Roldan, section 5.3).
 
 Position, speed and acceleration are (5.32)-(5.34); a machine that is ``at_rest`` has cycles that start and end without
-speed and acceleration, any other enters its first cycle on the move, as the source's do. A motion beyond the limits of position, speed or acceleration of an axis is scaled down to them; what leaves the
-polygon of the joint space, or where the machine has no posture, is penalised. Three searches share this objective:
-compass (pattern) search, differential evolution and CMA-ES; the gradient search has the limits as constraints.
+speed and acceleration, any other enters its first cycle on the move, as the source's do. A motion beyond the limits of
+position, speed or acceleration of an axis is scaled down to them; what leaves the polygon of the joint space, or where
+the machine has no posture, is penalised. Three searches share this objective: compass (pattern) search, differential
+evolution and CMA-ES; the gradient search has the limits as constraints.
+
+Condition numbers after at most 3000 evaluations from seed 0 (``gapscope identify MACHINE --methods gradient,pattern,cma
+--budget 3000``), measured on 2026-11-26; the compass search ended by itself after 670 to 2118:
+
+| machine | gradient | pattern | CMA-ES |
+|---|---|---|---|
+| 5R | 10.27 | 35.75 | 12.65 |
+| RePlaLink (printed 62.21) | 8.12 | 11.48 | 8.79 |
+| 2PRU-1PRS table | 192 | 329 | 208 |
+| 3-PRS | 1.13e6 | 1.34e6 | 1.12e6 |
 """
 
 from collections.abc import Callable
