@@ -10,12 +10,16 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
-READMES = [ROOT / "README.md", ROOT / "analysis" / "gap" / "effects" / "README.md"]
+READMES = [
+    ROOT / "README.md", ROOT / "analysis" / "gap" / "effects" / "README.md", ROOT / "analysis" / "rig" / "README.md",
+]  # fmt: skip
 
 
 def blocks():
     for readme in READMES:
         for i, (language, text) in enumerate(BLOCK.findall(readme.read_text())):
+            if language == "yaml":  # settings of the rig: tests/analysis/rig/test_rig_readme.py
+                continue
             yield pytest.param(language, text, id=f"{readme.parent.name}-{language}-{i}")
 
 
