@@ -9,6 +9,8 @@ from matplotlib.figure import Figure
 from ..models.c_drive import collar_pose
 from .figures import BLUE, VERMILION
 
+DECIMALS = 12  # of m and rad: rounding errors of an axis at rest are not drawn
+
 if TYPE_CHECKING:
     from .simulation import CDriveRun
 
@@ -17,8 +19,8 @@ def plot_run(run: "CDriveRun", path: Path) -> None:
     """Reference and errors of the collar and the delivered torques over time, as PNG."""
     figure = Figure(figsize=(8.0, 8.0), layout="constrained")
     axes = figure.subplots(4, 1, sharex=True)
-    pose = collar_pose(run.reference, run.config.machine.lead)
-    errors = run.collar_errors()
+    pose = np.round(collar_pose(run.reference, run.config.machine.lead), DECIMALS)
+    errors = np.round(run.collar_errors(), DECIMALS)
     rotation = axes[0].twinx()
     lines = [
         *axes[0].plot(run.t, 1e3 * pose[:, 0], color=BLUE, label="translation"),
@@ -35,7 +37,7 @@ def plot_run(run: "CDriveRun", path: Path) -> None:
         axes[3].plot(run.t, run.torque[:, side], style, color=color, linewidth=0.8, label=name)
     axes[3].set_ylabel("motor torque [N m]")
     axes[3].set_xlabel("time [s]")
-    axes[3].legend(loc="upper right")
+    axes[3].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)
     for row, unit, factor, column in ((1, "mm", 1e3, 0), (2, "mrad", 1e3, 1)):
         rms = factor * np.sqrt(np.mean(errors[:, column] ** 2))
         axes[row].set_title(f"RMS {rms:.3g} {unit}", loc="right", fontsize="small")

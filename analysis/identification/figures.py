@@ -68,7 +68,7 @@ def parameters(study: Study) -> Figure:
         xlabel="estimate less planted value, in half-widths of its interval", xlim=(-reach, reach)
     )
     axes.set_title(
-        f"{study.machine.title}: base parameters, 95 % intervals (right: share of planted)",
+        f"{study.machine.title}: base parameters, 95 % intervals (right: their half-width, of planted or in SI units)",
         fontsize=10,
     )
     return figure

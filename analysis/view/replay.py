@@ -21,6 +21,11 @@ from .skeletons import Floats, Skeleton
 FRAMES_PER_SECOND = 30.0
 LONGEST = 20.0  # of a replay [s]
 SHARE = 0.05  # of the motion, that the larger ghost's difference is magnified to
+SWELL = (
+    1.0,
+    1.35,
+    1.15,
+)  # of measured, nominal and diagnosed: copies in one place stay apart to the eye
 STILL = 0.01  # share of its range below which a coordinate that travels stands still in this run
 MOVE = 0.2  # shown for each move of a machine that is logged move by move [s]
 
@@ -85,7 +90,10 @@ def page(found: Replay) -> str:
     copies = {"measured": (found.measured, STEEL)} | {
         name: (values, colours[name]) for name, values in found.ghosts.items()
     }
-    drawings = {n: Drawing(meshcat, found.machine, n, colour) for n, (_, colour) in copies.items()}
+    drawings = {
+        name: Drawing(meshcat, found.machine, name, colour, swell)
+        for (name, (_, colour)), swell in zip(copies.items(), SWELL)
+    }
     look(meshcat, found.machine)
     dt = float(found.time[1] - found.time[0])
     every = max(1, round(1.0 / (FRAMES_PER_SECOND * dt)))
@@ -125,7 +133,12 @@ def _how(found: Replay) -> str:
 
 
 def _times(magnify: float) -> str:
-    return f"{magnify:.3g} times" if magnify != 1.0 else "just"
+    """Three digits in full: ``12 300 times``."""
+    if magnify == 1.0:
+        return "just"
+    rounded = float(f"{magnify:.3g}")
+    full = f"{rounded:,.0f}" if rounded >= 1000.0 else f"{rounded:g}"
+    return f"{full.replace(',', chr(0xA0))} times"
 
 
 def _choose(diagnosis: Diagnosis, name: str | None) -> RunData:

@@ -29,16 +29,22 @@ def open_meshcat() -> Meshcat:
 
 
 class Drawing:
-    """One copy of a machine in a scene, under the path ``name``."""
+    """One copy of a machine in a scene, under the path ``name``; ``swell`` >= 1 thickens it about its axes."""
 
-    def __init__(self, meshcat: Any, machine: Skeleton, name: str, colour: Rgba) -> None:
+    def __init__(
+        self, meshcat: Any, machine: Skeleton, name: str, colour: Rgba, swell: float = 1.0
+    ) -> None:
         self._meshcat, self._machine, self._name = meshcat, machine, name
         placed = machine.place(machine.start)
         for rod, radius in machine.rods.items():
             length = float(np.linalg.norm(placed[rod][1] - placed[rod][0]))
-            meshcat.SetObject(self._path(rod), Cylinder(radius, length), colour)
+            meshcat.SetObject(
+                self._path(rod),
+                Cylinder(swell * radius, length + 2.0 * (swell - 1.0) * radius),
+                colour,
+            )
         for ball, radius in machine.balls.items():
-            meshcat.SetObject(self._path(ball), Sphere(radius), colour)
+            meshcat.SetObject(self._path(ball), Sphere(swell * radius), colour)
         self.move(machine.start)
 
     def _path(self, part: str) -> str:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from gapscope.analysis import files, simulation
@@ -143,3 +144,15 @@ def test_a_file_that_fails_leaves_nothing_behind(tmp_path):
         files.write_folder(tmp_path / "old", {"a": lambda p: p.write_text("a"), "b": fail})
     assert [p.name for p in (tmp_path / "old").iterdir()] == ["a"]
     assert (tmp_path / "old" / "a").read_text() == "before"
+
+
+def test_an_axis_at_rest_is_drawn_at_rest(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: drawn.append(figure))
+    simulate("--motion", "rotation", "--cycles", 1, "--out", tmp_path)
+    reference, error_of_u, error_of_angle = (
+        drawn[0].axes[i].lines[0].get_ydata() for i in (0, 1, 2)
+    )
+    assert not np.any(reference)
+    assert not np.any(error_of_u)
+    assert np.ptp(error_of_angle) > 1.0

@@ -63,12 +63,18 @@ def page(diagnoses: Sequence[Named]) -> str:
             (effect, _meaning(effect), [_cell(d, effect) for d in diagnoses]) for effect in effects
         ],
         names=[d.name for d in diagnoses],
+        no_gap=listed(d.name for d in diagnoses if d.content["verdict"] == "no_gap"),
         joints=_shares(diagnoses, "joints"),
         regimes=_shares(diagnoses, "regimes"),
         bands=_shares(diagnoses, "bands"),
         warnings=[(d.name, d.content["warnings"]) for d in diagnoses],
-        provenance=[(d.name, d.content["provenance"]) for d in diagnoses],
+        provenance=[(d.name, _provenance(d.content["provenance"])) for d in diagnoses],
     )
+
+
+def _provenance(pairs: Mapping[str, Any]) -> dict[str, Any]:
+    """As they are; fractions such as the seconds it took to four digits."""
+    return {k: number(v, digits=4) if isinstance(v, float) else v for k, v in pairs.items()}
 
 
 def _meaning(effect: str) -> str:

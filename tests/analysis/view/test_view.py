@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from gapscope.analysis.cli import app
 from gapscope.analysis.errors import InputError
-from gapscope.analysis.view import scene
+from gapscope.analysis.view import replay, scene
 from gapscope.analysis.view.block_diagram import svg
 from gapscope.analysis.view.diagrams import DIAGRAMS, diagram
 from gapscope.analysis.view.skeletons import MACHINES, skeleton
@@ -87,6 +87,38 @@ def test_a_page_stands_alone():
     page = scene.still_page(skeleton("c-drive"))
     assert page.lstrip().lower().startswith("<!doctype html")
     assert 'src="http' not in page
+
+
+class Sizes:
+    """A scene that notes the radius of every part."""
+
+    def __init__(self):
+        self.radius = {}
+
+    def SetObject(self, path, shape, colour):
+        self.radius[path] = shape.radius()
+
+    def SetTransform(self, *_):
+        pass
+
+
+def test_copies_in_one_place_differ_in_thickness():
+    found, carrier = Sizes(), skeleton("pmc")
+    for name, swell in zip(("measured", "nominal", "diagnosed"), replay.SWELL):
+        scene.Drawing(found, carrier, name, scene.STEEL, swell)
+    for part, radius in carrier.rods.items() | carrier.balls.items():
+        widths = [found.radius[f"{name}/{part}"] for name in ("measured", "diagnosed", "nominal")]
+        assert widths[0] == radius
+        assert widths[1] > 1.1 * widths[0]
+        assert widths[2] > 1.1 * widths[1]
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [(1.0, "just"), (9.374, "9.37 times"), (12345.6, "12\N{NO-BREAK SPACE}300 times")],
+)
+def test_factor_of_differences_is_written_in_full(factor, words):
+    assert replay._times(factor) == words
 
 
 def test_unknown_machine_is_one_message():

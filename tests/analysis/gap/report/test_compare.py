@@ -37,7 +37,7 @@ def diagnosis(verdict, effects, **shrinkage):
         "shrinkage": {"metric": "rms unexplained N m", "before": 0.3, "retuned": 0.2, "after": 0.02,
                       "floor": 0.01, "percent": 96.6, "ci95": [95.0, 98.0], **shrinkage},
         "warnings": [HOSTILE],
-        "provenance": {"logset": HOSTILE, "seed": 0},
+        "provenance": {"logset": HOSTILE, "seed": 0, "seconds": 120.00617815499572},
     }  # fmt: skip
 
 
@@ -88,6 +88,13 @@ def test_page_is_well_formed_and_holds_every_number(folders):
     headings = [tag for tag, _ in outline.elements if tag in ("h1", "h2")]
     assert headings[0] == "h1"
     assert headings.count("h1") == 1
+
+
+def test_shares_without_a_gap_and_seconds_are_said_as_they_are(folders):
+    said = Outline(page(load(folders))).words
+    assert "Without a gap (wednesday) they are shares of what is left at the noise floor." in said
+    assert "seconds 120.0 " in said
+    assert "Without a gap" not in Outline(page(load(folders[:2]))).words
 
 
 def test_folders_of_one_name_are_told_apart(folders, tmp_path):
