@@ -29,9 +29,9 @@ def c_drive_sampled_loop(config: CDriveLoopConfig, duration: float) -> Diagram:
 
     The numbers are those of ``c_drive_loop`` at every sample, to rounding. ``source`` holds the reference's samples
     for ``duration`` seconds and the last one from then on, ``controller`` is a ``LinearSystem`` of the matrices
-    of ``linear_controller``, ``drive`` an ``EncodedDrive``: of the constants of the Context only the drive's have a meaning
-    of their own. For a controller whose gains are parameters, a late actuator or a continuous plant use
-    ``c_drive_loop``. Raises ValueError, naming the key, for settings no such loop can be built with.
+    of ``linear_controller``, ``drive`` an ``EncodedDrive``. For gains and constants that are parameters of the
+    Context, a late actuator or a continuous plant use ``c_drive_loop``. Raises ValueError, naming the key, for settings
+    no such loop can be built with.
     """
     config.check()
     _check(config, duration)

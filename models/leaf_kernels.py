@@ -99,32 +99,23 @@ def move(
 
 @compilation.kernel
 def advance_encoded(
-    command: Any,
-    t: float,
-    period: float,
-    substeps: int,
-    constants: Any,
-    elements: Any,
-    joined: Any,
-    state: Any,
-    measured: Any,
+    command: Any, t: float, shafts: int, constants: Any, state: Any, measured: Any
 ) -> None:
-    """Move the state of an ``EncodedDrive`` on by a sample and read it; ``constants`` are its flat parameter."""
-    m, shafts = elements.shape
-    motors, c = command.size, joined.shape[0]
-    first = shafts * shafts
-    second = first + m * drive.ELEMENT_COLUMNS
-    third = second + shafts * drive.SHAFT_COLUMNS
+    """Move the state of an ``EncodedDrive`` on by a sample and read it; ``constants`` are those of ``encoded``."""
+    period, substeps, lsb = constants[0], int(constants[1]), constants[2]
+    motors = command.size
+    m = state.size - 2 * (shafts + motors)
+    first = 3 + shafts * shafts
+    second = first + m * shafts
+    third = second + m * drive.ELEMENT_COLUMNS
+    fourth = third + shafts * drive.SHAFT_COLUMNS
+    joined = constants[fourth:]
     plant = Drive(
-        constants[:first].reshape(shafts, shafts),
-        elements,
-        constants[first:second].reshape(m, drive.ELEMENT_COLUMNS),
-        constants[second:third].reshape(shafts, drive.SHAFT_COLUMNS),
-        np.empty((c, drive.COUPLING_COLUMNS)),
-    )
-    plant.coupling[:, : drive.COUPLING_STIFFNESS] = joined
-    plant.coupling[:, drive.COUPLING_STIFFNESS :] = constants[third:-1].reshape(
-        c, drive.COUPLING_COLUMNS - drive.COUPLING_STIFFNESS
+        constants[3:first].reshape(shafts, shafts),
+        constants[first:second].reshape(m, shafts),
+        constants[second:third].reshape(m, drive.ELEMENT_COLUMNS),
+        constants[third:fourth].reshape(shafts, drive.SHAFT_COLUMNS),
+        joined.reshape(joined.size // drive.COUPLING_COLUMNS, drive.COUPLING_COLUMNS),
     )
     q, v, z = state[:shafts], state[shafts : 2 * shafts], state[2 * shafts : 2 * shafts + m]
     lag = state[2 * shafts + m :].reshape(2, motors)
@@ -134,4 +125,9 @@ def advance_encoded(
         q, v, z, np.zeros(m), torque, t, plant, period, substeps, drive.work_arrays(shafts)
     )
     for j in range(motors):
-        measured[j] = encoder.read(q[j], constants[constants.size - 1])
+        measured[j] = encoder.read(q[j], lsb)
+
+
+def encoded(plant: Drive, period: float, substeps: int, lsb: float) -> Any:
+    """Sample time [s], its steps, the encoders' count and the arrays of a drive, flattened by rows, in one array."""
+    return np.concatenate([[period, substeps, lsb], *(np.ravel(part) for part in plant)])

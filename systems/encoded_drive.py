@@ -26,15 +26,14 @@ class EncodedDrive(LeafSystem):
     | out `measured` | motors | rad or m, what the encoders read |
     | out `state`    | 2 shafts + elements + 2 motors | positions, velocities, bristle deflections, both stages of the lags |
 
-    Two discrete states every ``period`` seconds, ``MEASURED`` and ``STATE``, as their ports. Numeric parameter
-    ``CONSTANTS``: inertia inverse, elements' and shafts' constants, stiffness, damping and gap of the couplings
-    and the encoder's count, each flattened by rows. ``set_position`` puts the drive at rest elsewhere. Raises
-    ValueError if ``period`` or ``substeps`` is not positive, the count is negative, or an actuator is late:
-    only ``TorqueAmplifier`` delays.
+    Two discrete states every ``period`` seconds, ``MEASURED`` and ``STATE``, as their ports. The constants belong to
+    the system, not to its Context: fetching them from there would cost as much as the step. Where they are to be
+    parameters use the three systems named above. ``set_position`` puts the drive at rest elsewhere. Raises ValueError
+    if ``period`` or ``substeps`` is not positive, the count is negative, or an actuator is late: only
+    ``TorqueAmplifier`` delays.
     """
 
     MEASURED, STATE = range(2)
-    CONSTANTS = 0
 
     def __init__(
         self,
@@ -48,15 +47,13 @@ class EncodedDrive(LeafSystem):
         LeafSystem.__init__(self)
         self.period = scalars.positive(self, "period", period, "s")
         _check(drive, lsb, substeps)
-        self.substeps = substeps
         self.shafts = drive.shaft.shape[0]
         self.motors = self.shafts if motors is None else motors
-        joined = drive_law.COUPLING_STIFFNESS
-        self._elements = np.array(drive.elements, dtype=float)
-        self._joined = np.ascontiguousarray(drive.coupling[:, :joined])
-        parts = (drive.inertia_inverse, drive.element, drive.shaft, drive.coupling[:, joined:])
-        constants = np.concatenate([*(np.ravel(part) for part in parts), [lsb]])
-        scalars.declare_parameter(self, constants)
+        self._lsb = lsb
+        self._constants = leaf_kernels.encoded(drive, period, substeps, lsb)
+        self._fades = bool(
+            np.any(drive.element[:, drive_law.FADE])
+        )  # else the time does not matter
         self.DeclareVectorInputPort("command", self.motors)
         size = 2 * self.shafts + len(drive.element) + 2 * self.motors
         for name, values in (("measured", self.motors), ("state", size)):
@@ -65,23 +62,19 @@ class EncodedDrive(LeafSystem):
 
     def set_position(self, context: Any, position: Any) -> None:
         """Put the shafts at ``position`` (shafts,) [rad or m], at rest; the encoders read it."""
-        lsb = scalars.constants(context, self.CONSTANTS)[-1]
         state = np.zeros(context.get_discrete_state(self.STATE).size())
         state[: self.shafts] = position
         context.SetDiscreteState(self.STATE, state)
-        read = [encoder.read(angle, lsb) for angle in state[: self.motors]]
+        read = [encoder.read(angle, self._lsb) for angle in state[: self.motors]]
         context.SetDiscreteState(self.MEASURED, read)
 
     def _advance(self, context: Any, discrete_state: Any) -> None:
         # Drake hands over the states as they are before the update.
         leaf_kernels.advance_encoded(
             self.EvalVectorInput(context, 0).value(),
-            context.get_time(),
-            self.period,
-            self.substeps,
-            context.get_numeric_parameter(0).value(),
-            self._elements,
-            self._joined,
+            context.get_time() if self._fades else 0.0,
+            self.shafts,
+            self._constants,
             discrete_state.get_mutable_value(1),
             discrete_state.get_mutable_value(0),
         )

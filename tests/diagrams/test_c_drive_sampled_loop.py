@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
-from pydrake.systems.primitives import VectorLogSink
+from pydrake.systems.primitives import ConstantVectorSource, VectorLogSink
 
 from gapscope.diagrams import c_drive_config as config_
 from gapscope.diagrams.c_drive_config import Amplifier, CDriveLoopConfig, Machine
@@ -14,6 +14,9 @@ from gapscope.models import drive, drive_kernels, encoder
 from gapscope.models.c_drive_controllers import loop_controller
 from gapscope.models.linear_controller import linear_controller
 from gapscope.systems.encoded_drive import EncodedDrive
+from gapscope.systems.encoder import Encoder
+from gapscope.systems.sampled_drive_plant import SampledDrivePlant
+from gapscope.systems.torque_amplifier import TorqueAmplifier
 
 SAMPLES = 600
 # The same laws in another order of sums, as for the loop of blocks.
@@ -87,6 +90,29 @@ def test_encoded_drive_starts_where_it_is_put_and_refuses_delay():
     plant.shaft[:, drive.DELAY] = 1e-3
     with pytest.raises(ValueError, match="delays are"):
         EncodedDrive(plant, 1e-3, 0.25)
+
+
+def test_encoded_drive_is_the_three_blocks_in_a_row_while_friction_fades():
+    dt, lsb = 1e-3, 1e-4
+    plant = actuated_drive(CDriveLoopConfig(amplifier=Amplifier(lag=4e-4)))
+    plant.element[:, drive.FADE] = 30.0
+    builder = DiagramBuilder()
+    command = builder.AddSystem(ConstantVectorSource([0.4, -0.1]))
+    blocks = [TorqueAmplifier(plant, dt), SampledDrivePlant(plant, dt), Encoder(2, lsb)]
+    ends = []
+    for row in ([EncodedDrive(plant, dt, lsb)], blocks):
+        port = command.get_output_port()
+        for system in row:
+            builder.AddSystem(system)
+            builder.Connect(port, system.get_input_port(0))
+            port = system.get_output_port(0)
+        ends.append(builder.AddSystem(VectorLogSink(2, publish_period=dt)))
+        builder.Connect(port, ends[-1].get_input_port())
+    simulator = Simulator(builder.Build())
+    simulator.AdvanceTo(0.1)
+    fast, slow = (end.FindLog(simulator.get_context()).data() for end in ends)
+    assert np.ptp(slow) > 100 * lsb
+    np.testing.assert_allclose(fast, slow, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(
