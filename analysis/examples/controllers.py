@@ -20,13 +20,13 @@ def main(folder: Path) -> dict[str, tuple[float, float]]:
     plant, settings = c_drive.drive(CDriveParameters()), sampled_controllers(CDriveParameters())
     figure, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(8, 5), layout="constrained")
     errors = {}
-    looks = ((BLUE, "-"), (VERMILION, "-"), (GREEN, "--"))  # two may lie on each other
-    for (name, controller), (colour, line) in zip(settings.items(), looks):
+    looks = ((BLUE, 3.0), (VERMILION, 1.5), (GREEN, 1.2))  # two may lie on each other
+    for (name, controller), (colour, width) in zip(settings.items(), looks):
         run = benchmark_run(plant, controller, "helical", Conditions(rate=2.0))
         u, theta = np.sqrt(np.mean(run.error**2, axis=0))
         errors[name] = (float(u), float(theta))
-        top.plot(run.time, 1e3 * run.error[:, 0], color=colour, ls=line, label=name.upper())
-        bottom.plot(run.time, 1e3 * run.error[:, 1], color=colour, ls=line)
+        top.plot(run.time, 1e3 * run.error[:, 0], color=colour, lw=width, label=name.upper())
+        bottom.plot(run.time, 1e3 * run.error[:, 1], color=colour, lw=width)
     top.set_ylabel("translation error [mm]")
     bottom.set_ylabel("rotation error [mrad]")
     bottom.set_xlabel("time [s]")

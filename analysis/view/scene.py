@@ -13,7 +13,7 @@ from .skeletons import Floats, Skeleton
 
 # Okabe and Ito, told apart by colour-blind eyes.
 STEEL = Rgba(0.35, 0.37, 0.40, 1.0)
-BLUE, VERMILION = Rgba(0.0, 0.447, 0.698, 0.45), Rgba(0.835, 0.369, 0.0, 0.45)
+BLUE, VERMILION = Rgba(0.0, 0.447, 0.698, 0.55), Rgba(0.835, 0.369, 0.0, 0.3)
 STOP = "stop"
 
 
