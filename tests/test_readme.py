@@ -11,7 +11,8 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 READMES = [
-    ROOT / "README.md", ROOT / "analysis" / "gap" / "effects" / "README.md", ROOT / "analysis" / "rig" / "README.md",
+    ROOT / "README.md", ROOT / "analysis" / "CONTRIBUTING.md",
+    ROOT / "analysis" / "gap" / "effects" / "README.md", ROOT / "analysis" / "rig" / "README.md",
 ]  # fmt: skip
 
 
