@@ -20,7 +20,7 @@ def view(
         Path | None, typer.Option(help="Log set of it: replay a run beside its models.")
     ] = None,
     run: Annotated[
-        str | None, typer.Option(help="Run of the log set; default the first held out.")
+        str | None, typer.Option(help="Run of the log set; default the first held out that moves.")
     ] = None,
     magnify: Annotated[
         float | None, typer.Option(help="Enlarge differences of the models; default 5 % of motion.")

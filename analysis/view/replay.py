@@ -45,7 +45,9 @@ class Replay:
 
 
 def replay(diagnosis: Diagnosis, run: str | None = None, magnify: float | None = None) -> Replay:
-    """The named run, or the first held-out one; InputError for another name or a machine without a shape.
+    """The named run, or the first that moves, held-out ones first.
+
+    InputError for another name or a machine without a shape.
 
     Without ``magnify`` the larger difference becomes 5 % of the motion, in the coordinates that move.
     """
@@ -144,10 +146,22 @@ def _times(magnify: float) -> str:
 def _choose(diagnosis: Diagnosis, name: str | None) -> RunData:
     runs = {run.name: run for run in diagnosis.runs}
     if name is None:
-        return next((r for r in diagnosis.runs if r.use == "validate"), diagnosis.runs[0])
+        held_out = [r for r in diagnosis.runs if r.use == "validate"]
+        rest = [r for r in diagnosis.runs if r.use != "validate"]
+        most = max(_travel(r) for r in diagnosis.runs)
+        return next(r for r in (*held_out, *rest) if _travel(r) >= STILL * most)
     if name not in runs:
         raise InputError("--run", f"unknown run {name!r}", f"one of {', '.join(runs)}")
     return runs[name]
+
+
+def _travel(run: RunData) -> float:
+    """The largest travel of a coordinate in a run, in its unit; without end where every sample is a move."""
+    return (
+        np.inf
+        if isinstance(run, MoveRun)
+        else float(np.ptp(run.position[run.window], axis=0).max())
+    )
 
 
 def _paths(diagnosis: Diagnosis, run: RunData) -> tuple[Floats, Floats, dict[str, Floats], bool]:

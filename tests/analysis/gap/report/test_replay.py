@@ -1,5 +1,7 @@
 """The replay of a diagnosis: ghosts where the models are, and a page that stands alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,14 @@ def test_page_says_who_is_who_and_what_is_enlarged(diagnosed):
     assert "diagnosed model" in html
     assert "25 times their difference" in html
     assert "<img" not in html.split("role='note'")[1]  # the run's name is hostile
+
+
+def test_a_held_out_run_at_rest_gives_way_to_one_that_moves(diagnosed):
+    d = diagnosed["friction"]
+    resting = [replace(r, position=0.0 * r.position) if r.use == "validate" else r for r in d.runs]
+    found = replay(replace(d, runs=tuple(resting)))
+    assert found.run == "translation.csv"
+    assert np.ptp(found.measured[:, 0]) > 0.0
 
 
 def test_unknown_run_is_one_message(diagnosed):
