@@ -54,7 +54,7 @@ class EncodedDrive(LeafSystem):
         self._fades = bool(
             np.any(drive.element[:, drive_law.FADE])
         )  # else the time does not matter
-        self.DeclareVectorInputPort("command", self.motors)
+        self._command: Any = self.DeclareVectorInputPort("command", self.motors)
         size = 2 * self.shafts + len(drive.element) + 2 * self.motors
         for name, values in (("measured", self.motors), ("state", size)):
             self.DeclareStateOutputPort(name, self.DeclareDiscreteState(values))
@@ -71,7 +71,7 @@ class EncodedDrive(LeafSystem):
     def _advance(self, context: Any, discrete_state: Any) -> None:
         # Drake hands over the states as they are before the update.
         leaf_kernels.advance_encoded(
-            self.EvalVectorInput(context, 0).value(),
+            self._command.Eval(context),
             context.get_time() if self._fades else 0.0,
             self.shafts,
             self._constants,
