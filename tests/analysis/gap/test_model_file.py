@@ -5,9 +5,12 @@ import pytest
 import yaml
 
 from gapscope.analysis.errors import InputError
+from gapscope.analysis.gap.fitting import fit
+from gapscope.analysis.gap.hypothesis import Hypothesis
 from gapscope.analysis.gap.logset import load_logset
 from gapscope.analysis.gap.machines import read_machine
 from gapscope.analysis.gap.machines.model_file import load_arm
+from gapscope.analysis.gap.prediction import Predictor
 from gapscope.analysis.gap.rigid_machine import StateColumns
 
 
@@ -81,3 +84,27 @@ def test_columns_near_the_measured_state_are_right_to_first_order(tmp_path):
         (equation.mass, equation.bias, equation.load),
     ):
         assert np.max(np.abs(near - exact)) < 0.02 * max(np.max(np.abs(exact - at)), 1e-9)
+
+
+def test_the_data_decide_how_sharp_dry_friction_is(tmp_path):
+    """With a fixed width dry friction is better imitated by viscous friction with a peak at standstill."""
+    level, share = 0.2, 0.15
+    folder = folder_of(tmp_path)
+    t = np.arange(1500) * 0.002
+    q, v, a = 0.5 * np.sin(6.0 * t), 3.0 * np.cos(6.0 * t), -18.0 * np.sin(6.0 * t)
+    friction = level * np.tanh(v / (share * np.sqrt(np.mean(v**2))))
+    torque = 0.02 * a - 0.1 * 9.81 * np.cos(q) + friction  # of the arm in ``urdf``
+    table = np.column_stack([t, q, torque])
+    np.savetxt(
+        folder / "run.csv", table, delimiter=",", header="t,shoulder,shoulder_tau", comments=""
+    )
+    machine, runs = read_machine(load_logset(folder))
+    predictor = Predictor(machine, runs)
+    retuned = fit(predictor, Hypothesis())
+    (form,) = (f for f in machine.forms(runs) if f.effect == "friction.coulomb")
+    found = fit(predictor, Hypothesis(forms=(form,)), retuned)
+    values = found.by_key()
+    assert values["friction.coulomb", "level_shoulder"] == pytest.approx(level, rel=0.02)
+    # Speeds are smoothed, which blurs the sign by a tenth; the nominal width is a seventh of this one.
+    assert values["friction.coulomb", "width_share"] == pytest.approx(share, rel=0.15)
+    assert found.rms < 0.2 * retuned.rms
